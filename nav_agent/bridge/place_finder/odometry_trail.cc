@@ -36,6 +36,7 @@ absl::Status OdometryTrail::Add(const messages::Odometry& odometry) {
   if (!moments_.empty() && stamp <= moments_.back().stamp) {
     if (moments_.back().stamp - stamp < kNewClock) return absl::OkStatus();
     moments_.clear();
+    ++restarts_;
   }
   frame_ = odometry.header.frame_id;
   moments_.push_back({.stamp = stamp,

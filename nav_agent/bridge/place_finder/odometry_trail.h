@@ -28,10 +28,13 @@ class OdometryTrail {
       base::MonotonicTime stamp) const;
   // header.frame_id of the newest: "odom".
   const std::string& frame() const { return frame_; }
+  // How often the clock has begun anew: ways from before lead nowhere.
+  int restarts() const { return restarts_; }
 
  private:
   std::deque<localization::TrackedMotion> moments_;
   std::string frame_;
+  int restarts_ = 0;
 };
 
 }  // namespace treeline::place_finder

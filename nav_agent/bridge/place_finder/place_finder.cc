@@ -1,5 +1,6 @@
 #include "nav_agent/bridge/place_finder/place_finder.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -89,7 +90,19 @@ PlaceFinder::PlaceFinder(core::RelocalizationPort& server,
     : server_(server), options_(options), camera_(options.camera) {}
 
 absl::Status PlaceFinder::Add(const messages::Odometry& odometry) {
-  return odometry_.Add(odometry);
+  const int before = odometry_.restarts();
+  TL_RETURN_IF_ERROR(odometry_.Add(odometry));
+  if (odometry_.restarts() != before) BeginAnew();
+  return absl::OkStatus();
+}
+
+void PlaceFinder::BeginAnew() {
+  is_question_stale_ = question_motion_.has_value();
+  pending_.Clear();
+  scan_.reset();
+  state_.has_scan = false;
+  lost_.reset();
+  state_.verdict.reset();
 }
 
 absl::Status PlaceFinder::Add(const messages::OccupancyGrid& map) {
@@ -181,9 +194,10 @@ PlaceFinder::Output PlaceFinder::Step(base::MonotonicTime now) {
     state_.need = need;
   }
   if (need == Need::kNone || question_motion_.has_value()) return output;
-  // A clock that went back makes no difference to who waits.
+  // A clock that went back makes nobody wait longer.
   if (next_question_.has_value() && now < *next_question_ &&
-      *next_question_ - now < Seconds(60)) {
+      *next_question_ - now <=
+          Seconds(std::max(options_.ask_interval_s, kAfterPlace_s))) {
     return output;
   }
   const absl::Status obstacle = AskIfPossible(now);
@@ -229,6 +243,7 @@ absl::Status PlaceFinder::AskIfPossible(base::MonotonicTime now) {
   TL_ASSIGN_OR_RETURN(const core::RgbdFrame frame, camera_.Newest());
   last_asked_picture_ = frame.sequence;
   question_motion_ = motion;
+  is_question_stale_ = false;
   ++state_.questions;
   server_.Ask(frame, options_.answer_timeout_s);
   return absl::OkStatus();
@@ -249,8 +264,11 @@ void PlaceFinder::TakeAnswer(base::MonotonicTime now, Output& output) {
   if (!answer->ok()) return;
   ++state_.answers;
   state_.last_round_trip_s = (*answer)->round_trip_s;
-  behavior::GatedFix fix = Check(**answer);
-  fix.motion = motion;
+  if (is_question_stale_) {
+    output.events.push_back("an answer of before the clock began anew");
+    return;
+  }
+  const behavior::GatedFix fix = Check(**answer, motion);
   state_.last_fix = behavior::FixText(fix);
   output.events.push_back(absl::StrCat("fix: ", state_.last_fix));
   if (behavior::IsRefused(fix.verdict)) ++state_.refused;
@@ -258,12 +276,14 @@ void PlaceFinder::TakeAnswer(base::MonotonicTime now, Output& output) {
 }
 
 behavior::GatedFix PlaceFinder::Check(
-    const core::RelocalizationAnswer& answer) const {
+    const core::RelocalizationAnswer& answer,
+    const localization::TrackedMotion& motion) const {
   core::RelocalizationAnswer in_map = answer;
   in_map.map_from_camera = options_.map_from_world * answer.map_from_camera;
   in_map.covariance =
       Turned(options_.map_from_world.rotation, answer.covariance);
   behavior::GatedFix fix;
+  fix.motion = motion;
   fix.confidence = answer.confidence;
   fix.log_odds = behavior::LogOddsOf(answer.confidence);
   fix.is_server_sure = behavior::IsServerSure(answer, options_.gate);
@@ -275,13 +295,11 @@ behavior::GatedFix PlaceFinder::Check(
     fix.why = std::move(judgement.why);
     return behavior::IsRefused(fix.verdict);
   };
-  const auto motion = odometry_.At(answer.stamp);
-  if (judge() || !motion.has_value()) return fix;
-  fix.motion = *motion;
+  if (judge()) return fix;
   const geometry::Rigid3 map_from_base =
       in_map.map_from_camera * base_from_camera_.Inverse();
   witnesses.tilt_error_rad =
-      behavior::TiltError_rad(map_from_base.rotation, motion->level_from_base);
+      behavior::TiltError_rad(map_from_base.rotation, motion.level_from_base);
   if (judge()) return fix;
   fix.pose.map_from_base = geometry::PlanarPose(map_from_base);
   fix.covariance = behavior::FixCovariance(in_map.covariance);
@@ -296,7 +314,7 @@ behavior::GatedFix PlaceFinder::Check(
   if (judge() || !map_.has_value() || !scan_.has_value()) return fix;
   // The scan was taken at another moment than the picture.
   const geometry::Rigid2 frame_from_scan =
-      motion->odom_from_base.Inverse() * scan_->odom_from_base;
+      motion.odom_from_base.Inverse() * scan_->odom_from_base;
   const auto best = map_->BestNear(
       *scan_, fix.pose.map_from_base * frame_from_scan, options_.gate);
   behavior::ScanWitness witness;

@@ -104,10 +104,13 @@ class PlaceFinder {
  private:
   std::optional<geometry::Rigid2> BelievedAt(base::MonotonicTime stamp) const;
   void WatchForLoss();
+  // Drops what was seen before the clock of the robot began anew.
+  void BeginAnew();
   Need NeedNow() const;
   absl::Status AskIfPossible(base::MonotonicTime now);
   void TakeAnswer(base::MonotonicTime now, Output& output);
-  behavior::GatedFix Check(const core::RelocalizationAnswer& answer) const;
+  behavior::GatedFix Check(const core::RelocalizationAnswer& answer,
+                           const localization::TrackedMotion& motion) const;
   // nullopt: it waits for another view, or is refused.
   std::optional<behavior::GatedFix> Decide(const behavior::GatedFix& fix);
   void Publish(const behavior::GatedFix& fix, base::MonotonicTime now,
@@ -129,6 +132,8 @@ class PlaceFinder {
   std::optional<base::MonotonicTime> next_question_;
   // Of the question that is open.
   std::optional<localization::TrackedMotion> question_motion_;
+  // The clock has begun anew since: its answer is of no use.
+  bool is_question_stale_ = false;
   geometry::Rigid3 base_from_camera_;
   State state_;
 };

@@ -325,6 +325,50 @@ TEST_F(PlaceFinderTest, ErrorsOfTheServerAreToldAndItIsAskedAgain) {
   EXPECT_TRUE(GoUntilAsked());
 }
 
+TEST_F(PlaceFinderTest, ASlowAnswerCountsFromWhereItsPictureWasTaken) {
+  PlaceFinderOptions options = Options();
+  options.is_one_view_enough = true;
+  options.answer_timeout_s = 30;
+  Use(options);
+  ASSERT_TRUE(GoUntilAsked());
+  const core::RelocalizationAnswer answer = AnswerAt(MapFromBase());
+  // Longer than odometry is remembered.
+  for (int i = 0; i < 120; ++i) Go({{0.02, 0}, 0.01});
+  server_.next = answer;
+  const PlaceFinder::Output output = Go();
+  ASSERT_TRUE(output.initial_pose.has_value()) << finder_->state().last_fix;
+  ExpectNear(PoseIn(*output.initial_pose), MapFromBase(), 1e-6, 1e-6);
+}
+
+TEST_F(PlaceFinderTest, WhatIsOfBeforeTheClockBeganAnewIsLeftOut) {
+  PlaceFinderOptions options = Options();
+  options.is_one_view_enough = true;
+  Use(options);
+  ASSERT_TRUE(GoUntilAsked());
+  // A simulation begins anew: the robot is where it was at first, and so is
+  // its odometry.
+  const core::RelocalizationAnswer answer = AnswerAt({{4, 4}, 1});
+  now_ns_ -= 30'000'000'000;
+  odom_from_base_ = {};
+  Go();
+  server_.next = answer;
+  EXPECT_FALSE(Go().initial_pose.has_value());
+  // Nobody waits for the old clock's time.
+  ASSERT_TRUE(GoUntilAsked());
+  server_.next = AnswerAt(MapFromBase());
+  const PlaceFinder::Output output = Go();
+  ASSERT_TRUE(output.initial_pose.has_value()) << finder_->state().last_fix;
+  ExpectNear(PoseIn(*output.initial_pose), MapFromBase(), 1e-6, 1e-6);
+}
+
+TEST_F(PlaceFinderTest, AClockThatGoesBackMakesNobodyWait) {
+  ASSERT_TRUE(GoUntilAsked());
+  server_.next = absl::UnavailableError("no route");
+  Go();
+  now_ns_ -= 30'000'000'000;
+  EXPECT_TRUE(GoUntilAsked());
+}
+
 TEST_F(PlaceFinderTest, WhoAsksIsAnsweredThoughThePlaceIsKnown) {
   finder_->Add(messages::TFMessage{.transforms = {Edge("map", "odom", {})}});
   EXPECT_FALSE(GoUntilAsked());
