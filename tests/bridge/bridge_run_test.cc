@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "nav_agent/bridge/dds/testing_domain.h"
 #include "nav_agent/core/robot_model.h"
 #include "tests/integration/process.h"
 
@@ -63,9 +64,9 @@ std::pair<double, double> OffOf(const std::string& line) {
 }
 
 TEST(BridgeRunTest, ARobotOverDdsAloneIsFoundCarriedAwayAndFoundAgain) {
-  constexpr int kDomain = 73;
+  const int domain = dds::TestingDomain();
   bridge_app::BridgeConfig config;
-  config.domain_id = kDomain;
+  config.domain_id = domain;
   config.interface = "lo";
   config.server = "in this process";
   config.name_space = "robot1";
@@ -79,7 +80,7 @@ TEST(BridgeRunTest, ARobotOverDdsAloneIsFoundCarriedAwayAndFoundAgain) {
     status = bridge_app::RunBridge(
         config, server, *log, [](const std::string&) {}, stop);
   });
-  Process player({TREELINE_ROBOT_PLAYER, std::to_string(kDomain), "90", "8",
+  Process player({TREELINE_ROBOT_PLAYER, std::to_string(domain), "90", "8",
                   "181", "20000", "/robot1"});
   const auto first = player.WaitForLine("place off");
   ASSERT_TRUE(first.has_value()) << player.err();

@@ -7,6 +7,7 @@
 
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
+#include "nav_agent/bridge/dds/testing_domain.h"
 #include "nav_agent/bridge/messages/common_messages.h"
 #include "nav_agent/bridge/messages/geometry_messages.h"
 #include "nav_agent/bridge/messages/message_codec.h"
@@ -19,7 +20,7 @@ namespace {
 
 using messages::Header;
 
-constexpr int kDomain = 72;
+const int kDomain = dds::TestingDomain();
 // No more is waited than the peer needs; on a busy machine, that is much.
 constexpr auto kLongest = std::chrono::seconds(15);
 

@@ -62,9 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       break;
     case 4:
       Try<messages::Odometry>(bytes, [](const messages::Odometry& odometry) {
-        conversions::WheelReadings wheels(0.5);
-        (void)wheels.Add(odometry);
-        (void)wheels.Add(odometry);
+        (void)conversions::RigidOf(odometry.pose.pose);
       });
       break;
     case 5:

@@ -43,6 +43,7 @@ absl::Status BridgeTopics::Subscribe(dds::Node& node, const std::string& topic,
   TL_ASSIGN_OR_RETURN(std::unique_ptr<dds::Subscription> subscription,
                       node.Subscribe(topic, M::kName, quality));
   inputs_.push_back({.subscription = std::move(subscription),
+                     .is_latched = quality.is_latched,
                      .deliver = [deliver](const dds::Sample& sample,
                                           place_finder::PlaceFinder& finder,
                                           RosClock& clock) -> absl::Status {

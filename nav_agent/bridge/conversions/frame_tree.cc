@@ -30,8 +30,7 @@ void FrameTree::Add(const messages::TFMessage& message) {
       continue;
     }
     edge_of_child_[child] = {.parent = parent,
-                             .parent_from_child = *parent_from_child,
-                             .stamp = TimeOf(transform.header.stamp)};
+                             .parent_from_child = *parent_from_child};
   }
 }
 
@@ -59,13 +58,6 @@ absl::StatusOr<geometry::Rigid3> FrameTree::Find(
                      "\", the second on \"", of_target.name, "\""));
   }
   return of_target.root_from_frame.Inverse() * of_source.root_from_frame;
-}
-
-std::optional<base::MonotonicTime> FrameTree::StampOf(
-    const std::string& child) const {
-  const auto edge = edge_of_child_.find(NameOf(child));
-  if (edge == edge_of_child_.end()) return std::nullopt;
-  return edge->second.stamp;
 }
 
 }  // namespace treeline::conversions

@@ -3,11 +3,9 @@
 #define NAV_AGENT_BRIDGE_CONVERSIONS_FRAME_TREE_H_
 
 #include <map>
-#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/base/clock.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/bridge/messages/geometry_messages.h"
 
@@ -26,14 +24,10 @@ class FrameTree {
   absl::StatusOr<geometry::Rigid3> Find(const std::string& target,
                                         const std::string& source) const;
 
-  // The newest stamp of a frame's transform to its parent; nullopt: unknown.
-  std::optional<base::MonotonicTime> StampOf(const std::string& child) const;
-
  private:
   struct Edge {
     std::string parent;
     geometry::Rigid3 parent_from_child;
-    base::MonotonicTime stamp;
   };
   // To the frame without a parent that `frame` hangs on.
   struct Root {

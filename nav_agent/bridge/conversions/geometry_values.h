@@ -10,8 +10,6 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/bridge/messages/common_messages.h"
 #include "nav_agent/bridge/messages/geometry_messages.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
-#include "nav_agent/core/sensor_data.h"
 
 namespace treeline::conversions {
 
@@ -24,24 +22,6 @@ absl::StatusOr<geometry::Rigid3> RigidOf(const messages::Pose& pose);
 absl::StatusOr<geometry::Rigid3> RigidOf(const messages::Transform& transform);
 messages::Pose PoseOf(const geometry::Rigid3& transform);
 messages::Transform TransformOf(const geometry::Rigid3& transform);
-
-// nav_msgs/Odometry as wheels of a differential drive with such a track would
-// have rolled: by the way between two messages. Not thread-safe.
-class WheelReadings {
- public:
-  explicit WheelReadings(double wheel_track_m)
-      : wheel_track_m_(wheel_track_m) {}
-
-  // INVALID_ARGUMENT for numbers that are none; then nothing has changed.
-  absl::StatusOr<core::BaseReading> Add(const messages::Odometry& odometry);
-
- private:
-  double wheel_track_m_;
-  bool has_last_ = false;
-  geometry::Rigid3 odom_from_last_;
-  double left_m_ = 0;
-  double right_m_ = 0;
-};
 
 }  // namespace treeline::conversions
 

@@ -14,6 +14,11 @@ namespace {
 constexpr int kOccupiedFrom = 65;
 constexpr int kFreeUntil = 25;
 constexpr uint32_t kMaxCellsASide = 20'000;
+// Of maps of ground.
+constexpr float kFinestCell_m = 0.005F;
+constexpr float kCoarsestCell_m = 100;
+// Lasers that turn once have a few thousand.
+constexpr int kMaxBeams = 100'000;
 
 }  // namespace
 
@@ -27,7 +32,8 @@ absl::StatusOr<core::RangeSensorInfo> SensorInfoOf(
       .range_max_m = static_cast<double>(scan.range_max),
       .beam_interval_s = static_cast<double>(scan.time_increment),
       .scan_interval_s = static_cast<double>(scan.scan_time)};
-  const bool is_good = info.beams > 0 && std::isfinite(info.angle_min_rad) &&
+  const bool is_good = info.beams > 0 && info.beams <= kMaxBeams &&
+                       std::isfinite(info.angle_min_rad) &&
                        std::isfinite(info.angle_increment_rad) &&
                        info.angle_increment_rad != 0 && info.range_min_m >= 0 &&
                        info.range_max_m > info.range_min_m &&
@@ -87,7 +93,8 @@ absl::StatusOr<core::OccupancyGrid> GridOf(
   if (info.width == 0 || info.height == 0 || info.width > kMaxCellsASide ||
       info.height > kMaxCellsASide ||
       grid.data.size() != size_t{info.width} * info.height ||
-      !(info.resolution > 0) || !std::isfinite(info.resolution)) {
+      !(info.resolution >= kFinestCell_m) ||
+      !(info.resolution <= kCoarsestCell_m)) {
     return absl::InvalidArgumentError(
         absl::StrCat("map of ", info.width, " x ", info.height, " cells of ",
                      info.resolution, " m with ", grid.data.size(), " values"));

@@ -57,6 +57,9 @@ TEST(LaserValuesTest, WhatIsNoLaserIsAnError) {
   scan = Scan();
   scan.range_max = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(SensorInfoOf(scan).ok());
+  scan = Scan();
+  scan.ranges.resize(10'000'000);
+  EXPECT_FALSE(SensorInfoOf(scan).ok());
 }
 
 TEST(LaserValuesTest, GridsComeBack) {
@@ -83,6 +86,23 @@ TEST(LaserValuesTest, GridsThatLieAboutTheirSizeAreErrors) {
   grid.info.width = 2;
   grid.info.height = 2;
   grid.data = {0, 0, 0};
+  EXPECT_FALSE(GridOf(grid).ok());
+}
+
+// A cell's number is a point divided by the resolution.
+TEST(LaserValuesTest, GridsOfNoSizeOrFarAwayAreErrors) {
+  messages::OccupancyGrid grid;
+  grid.info.resolution = 0.05F;
+  grid.info.width = 2;
+  grid.info.height = 2;
+  grid.data = {0, 0, 0, 0};
+  EXPECT_TRUE(GridOf(grid).ok());
+  grid.info.resolution = 1e-30F;
+  EXPECT_FALSE(GridOf(grid).ok());
+  grid.info.resolution = 1e30F;
+  EXPECT_FALSE(GridOf(grid).ok());
+  grid.info.resolution = 0.05F;
+  grid.info.origin.position.x = 1e300;
   EXPECT_FALSE(GridOf(grid).ok());
 }
 

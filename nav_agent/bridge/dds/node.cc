@@ -15,6 +15,8 @@ namespace {
 
 // Taken at once by one call of Cyclone.
 constexpr uint32_t kTakeAtOnce = 16;
+// By one call of Take.
+constexpr size_t kTakeAtMost = 256;
 // A reliable writer waits at most so long for slow readers.
 constexpr dds_duration_t kMaxBlocking = DDS_MSECS(100);
 
@@ -112,10 +114,10 @@ class CycloneSubscription final : public Subscription {
     std::vector<Sample> samples;
     std::array<ddsi_serdata*, kTakeAtOnce> data{};
     std::array<dds_sample_info_t, kTakeAtOnce> infos{};
-    while (true) {
+    while (samples.size() + kTakeAtOnce <= kTakeAtMost) {
       const dds_return_t count = dds_takecdr(
           reader_.id(), data.data(), kTakeAtOnce, infos.data(), DDS_ANY_STATE);
-      if (count <= 0) return samples;
+      if (count <= 0) break;
       for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
         if (infos[i].valid_data) {
           const std::span<const uint8_t> bytes = BytesOf(data[i]);
@@ -125,6 +127,7 @@ class CycloneSubscription final : public Subscription {
         ddsi_serdata_unref(data[i]);
       }
     }
+    return samples;
   }
   int matched() const override {
     dds_subscription_matched_status_t status{};

@@ -56,7 +56,9 @@ class Publisher {
 class Subscription {
  public:
   virtual ~Subscription() = default;
-  // What has come since the last call, oldest first; never waits.
+  // What has come since the last call, oldest first; never waits. Of more than
+  // 256 the rest is left for the next call, so that nobody who floods a topic
+  // keeps its reader.
   virtual std::vector<Sample> Take() = 0;
   virtual int matched() const = 0;
   // Samples that were lost on the way, as far as DDS noticed.

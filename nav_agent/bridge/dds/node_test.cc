@@ -4,6 +4,9 @@
 
 #include <numeric>
 
+#include "nav_agent/bridge/dds/domain.h"
+#include "nav_agent/bridge/dds/testing_domain.h"
+
 namespace treeline::dds {
 namespace {
 
@@ -24,7 +27,7 @@ std::vector<uint8_t> Bytes(size_t size, uint8_t first) {
 class NodeTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto domain = Domain::Join({.id = 71, .interface = "lo"});
+    auto domain = Domain::Join({.id = TestingDomain(), .interface = "lo"});
     ASSERT_TRUE(domain.ok()) << domain.status();
     domain_ = *std::move(domain);
     auto a = Node::Create(*domain_, {.node = "a", .remappings = {}});
@@ -98,6 +101,24 @@ TEST_F(NodeTest, WaitingEndsWithoutASample) {
   auto subscription = *b_->Subscribe("silence", kType, kSensorData);
   EXPECT_FALSE(b_->Wait(milliseconds(20)));
   EXPECT_TRUE(subscription->Take().empty());
+}
+
+// Who takes is not kept by who writes faster.
+TEST_F(NodeTest, AFloodIsTakenInParts) {
+  auto publisher = *a_->Advertise("flood", kType, {.depth = 1000});
+  auto subscription = *b_->Subscribe("flood", kType, {.depth = 1000});
+  ASSERT_TRUE(WaitForMatch(*b_, *publisher));
+  for (int i = 0; i < 900; ++i) {
+    ASSERT_TRUE(publisher->Publish(Bytes(8, 1)).ok());
+  }
+  size_t taken = 0;
+  for (int i = 0; i < 100 && taken < 900; ++i) {
+    b_->Wait(seconds(1));
+    const size_t part = subscription->Take().size();
+    EXPECT_LE(part, 256U);
+    taken += part;
+  }
+  EXPECT_EQ(taken, 900U);
 }
 
 TEST_F(NodeTest, BadNamesAreErrors) {
