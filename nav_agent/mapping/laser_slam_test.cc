@@ -194,6 +194,47 @@ TEST(LaserSlam, MapsTheCorridorThatItDroveThrough) {
   EXPECT_EQ(grid.AtOrUnknown(grid.CellOf({7, 7})), core::Occupancy::kUnknown);
 }
 
+// Straight on in a room; before the seventh scan somebody turns the robot and
+// pushes it aside, which the wheels do not tell.
+recording::LaserLog PushedInARoom(std::vector<geometry::Rigid2>* way) {
+  std::vector<TestWall> walls;
+  AddBox({-4, -3}, {4, 3}, &walls);
+  AddBox({1.5, 0.5}, {2.0, 1.0}, &walls);
+  AddBox({3.0, -3}, {4, -2.2}, &walls);
+  recording::LaserLog log = {.laser = TestLaser(10),
+                             .base_from_laser = {},
+                             .scans = {},
+                             .odometry = {}};
+  geometry::Rigid2 pose = {{-2, 0}, 0};
+  for (size_t i = 0; i < 12; ++i) {
+    if (i == 6) pose = pose * geometry::Rigid2{{0.1, 0.5}, -0.4};
+    way->push_back(pose);
+    log.scans.push_back(
+        {.stamp = recording::RecordingTime(std::chrono::milliseconds(250 * i)),
+         .odom_from_base = {{0.15 * static_cast<double>(i), 0}, 0},
+         .ranges_m = CastScan(walls, pose, log.laser, 0.01, 1 + i)});
+    pose = pose * geometry::Rigid2{{0.15, 0}, 0};
+  }
+  return log;
+}
+
+// Odometry with a gyroscope is searched about by 8 cm and 1 degree.
+TEST(LaserSlam, SearchesWidelyWhereAScanMatchesPoorly) {
+  std::vector<geometry::Rigid2> way;
+  const recording::LaserLog log = PushedInARoom(&way);
+  RunLaserSlamOptions options = Synchronous();
+  options.slam.odometry = OdometryNoise::WithGyroscope();
+  const auto result = RunLaserSlam(log, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->statistics.found_widely, 1);
+  EXPECT_EQ(result->statistics.unmatched, 0);
+  const geometry::Rigid2 first_from_last = way.front().Inverse() * way.back();
+  const geometry::Rigid2& last = result->trajectory.back().map_from_base;
+  EXPECT_NEAR(last.translation.x, first_from_last.translation.x, 0.05);
+  EXPECT_NEAR(last.translation.y, first_from_last.translation.y, 0.05);
+  EXPECT_NEAR(last.yaw_rad, first_from_last.yaw_rad, 0.02);
+}
+
 class LaserSlamInput : public ::testing::Test {
  protected:
   void SetUp() override {

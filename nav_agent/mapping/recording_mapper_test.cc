@@ -266,6 +266,27 @@ TEST(MapRecording, ReadsPublicLogsToo) {
   EXPECT_THAT(mapping->floors, SizeIs(1));
 }
 
+TEST(MapRecording, TellsWhereScansMatchedNothing) {
+  recording::LaserLog log;
+  log.laser = TestLaser(20);
+  for (int i = 0; i < kScans; ++i) {
+    log.scans.push_back(
+        {.stamp = recording::RecordingTime(std::chrono::milliseconds(100 * i)),
+         .odom_from_base = TruthAt(100 * i),
+         .ranges_m = CastScan(Room(), TruthAt(100 * i), log.laser, 0.01,
+                              static_cast<uint64_t>(i))});
+  }
+  EXPECT_THAT(Map(recording::FormatCarmenLog(log))->warnings, IsEmpty());
+  // For two seconds it sees nothing.
+  for (size_t i = 30; i < 50; ++i) {
+    log.scans[i].ranges_m.assign(181, core::kNoReturn);
+  }
+  const auto mapping = Map(recording::FormatCarmenLog(log));
+  ASSERT_TRUE(mapping.ok()) << mapping.status();
+  EXPECT_THAT(mapping->warnings, Contains(HasSubstr("matched nothing")));
+  EXPECT_GT(mapping->statistics.unmatched_sigma_m, 0);
+}
+
 TEST(MapRecording, StopsWhenAskedTo) {
   std::stop_source stop;
   stop.request_stop();

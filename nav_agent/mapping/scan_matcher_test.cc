@@ -91,6 +91,19 @@ TEST(ScanMatcher, FindsPosesFarFromTheGuess) {
   EXPECT_LT(std::abs(error.yaw_rad), 0.004);
 }
 
+TEST(ScanMatcher, SaysThatThePeakMayLieBeyondTheSearch) {
+  const std::vector<TestWall> walls = Room();
+  const ScanOutline reference = Scan(walls, {{-1, -0.4}, 0}, 1);
+  const ScanOutline scan = Scan(walls, {{-0.5, -0.4}, 0}, 2);
+  const geometry::Rigid2 guess = {{-1, -0.4}, 0};
+  EXPECT_TRUE(Match(reference, guess, scan, guess,
+                    {.half_extent_m = 0.4, .half_angle_rad = 0.1})
+                  .is_at_border);
+  EXPECT_FALSE(Match(reference, guess, scan, guess,
+                     {.half_extent_m = 0.7, .half_angle_rad = 0.1})
+                   .is_at_border);
+}
+
 // Branch and bound must find what trying every pose finds: the best score.
 TEST(ScanMatcher, LooksAtEveryPose) {
   const std::vector<TestWall> walls = Room();

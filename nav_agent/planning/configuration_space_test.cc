@@ -125,6 +125,19 @@ TEST(DriveSpaceTest, TurnsWhereCornersHaveRoom) {
   EXPECT_TRUE(wide.FitsTurning({{3, 0.55}, 0}));
 }
 
+// Between the headings that are looked at boxes are grown, beyond the disc that
+// the corners sweep: where that disc is free, they do not count.
+TEST(DriveSpaceTest, TurnsWhereTheSweptDiscJustFits) {
+  const ConfigurationSpace space = SpaceOf(RoomRows(60, 11));
+  const double radius_m = space.footprint().circumradius_m;
+  const Spot just = {{3, 1.0 - radius_m - 0.001}, 0};
+  ASSERT_TRUE(space.FitsTurning(just));
+  EXPECT_TRUE(space.CanTurn(just, 0, std::numbers::pi));
+  const Spot hardly = {{3, 1.0 - radius_m + 0.005}, 0};
+  EXPECT_FALSE(space.FitsTurning(hardly));
+  EXPECT_FALSE(space.CanTurn(hardly, 0, std::numbers::pi));
+}
+
 TEST(DriveSpaceTest, DrivesAreSweptWithoutGaps) {
   std::vector<std::string> rows = RoomRows(60, 30);
   // One square of 0.1 m.

@@ -19,7 +19,7 @@ constexpr float kRough = 0.06F;
 constexpr int kScatter = 4;
 constexpr int kMedianReach = 2;
 constexpr int kMeanReach = 3;
-constexpr int kMeanScatter = 2;
+constexpr int kMeanScatter = 1;
 
 static_assert(2 * kTile - 1 + 1 + kMedianReach + kMeanReach < kSettleReach + 1,
               "what a height depends on");

@@ -14,7 +14,7 @@ namespace treeline::traversability {
 // of their four neighbours' median, and as many lack in it: things on a floor
 // only stand out, and steps and slopes do neither. There each height becomes
 // the median of 5 x 5 columns, which keeps the edges of steps, and then the
-// mean of those of 7 x 7 that are within two voxels of it. Heights more than
+// mean of those of 7 x 7 that are within a voxel of it. Heights more than
 // four voxels off are none of the surface. Ground that does not scatter is left
 // alone.
 void SettleRoughGround(GroundColumns& ground);

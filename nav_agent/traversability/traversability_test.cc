@@ -207,6 +207,59 @@ TEST(Traversability, NoStairsAreFree) {
   }
 }
 
+// With each column's tops moved up or down by a normal draw (voxels).
+octree::VoxelMap Scattered(const octree::VoxelMap& exact, double deviation) {
+  octree::VoxelMap map = exact;
+  base::Random random(5, 0);
+  for (int y = 0; y < map.size().y; ++y) {
+    for (int x = 0; x < map.size().x; ++x) {
+      const auto by =
+          static_cast<int>(std::lround(deviation * random.NextGaussian()));
+      for (int z = 0; z < map.size().z; ++z) {
+        const int from = std::clamp(z - by, 0, map.size().z - 1);
+        map.Set({x, y, z}, exact.At({x, y, from}));
+      }
+    }
+  }
+  return map;
+}
+
+double FreeShare(const core::OccupancyGrid& grid) {
+  return static_cast<double>(
+             std::ranges::count(grid.cells, core::Occupancy::kFree)) /
+         static_cast<double>(grid.cells.size());
+}
+
+TEST(Traversability, FloorsThatScatterAreFree) {
+  const Scene scene = Scene::WithFloor(6, 6);
+  for (const double deviation : {0.6, 1.0}) {
+    const TraversableMap map = Extract(Scattered(Voxelize(scene), deviation));
+    EXPECT_GT(FreeShare(map.levels.at(0).grid), 0.95) << deviation;
+  }
+}
+
+// Kerbs of two voxels, and of three where tops scatter by one, are below what
+// can be told from the scatter.
+TEST(Traversability, StairsAndKerbsStaySoWhereTheyScatter) {
+  for (const double deviation : {0.6, 1.0}) {
+    SCOPED_TRACE(absl::StrCat("deviation ", deviation));
+    const Climb stairs = MakeStairs(0.17, 0.28, 6, 30);
+    const TraversableMap climbed =
+        Extract(Scattered(Voxelize(stairs.scene), deviation));
+    EXPECT_FALSE(AreConnected(climbed.levels.at(0).grid, stairs.At(-2.5, 0),
+                              stairs.At(1.2, 0)));
+    for (const double kerb_m : {0.15, 0.2, 0.4}) {
+      if (kerb_m < 0.2 && deviation > 0.6) continue;
+      Scene scene = Scene::WithFloor(6, 6);
+      scene.AddBox(BlockKind::kGround, {3.02, 0}, {6, 6},
+                   Scene::kFloor_m + kerb_m);
+      const TraversableMap map = Extract(Scattered(Voxelize(scene), deviation));
+      EXPECT_FALSE(AreConnected(map.levels.at(0).grid, {1, 3}, {5, 3}))
+          << kerb_m;
+    }
+  }
+}
+
 TEST(Traversability, TheEdgesOfPlatformsAreSteepestOfAll) {
   Scene scene = Scene::WithFloor(6, 6);
   scene.AddBox(BlockKind::kGround, {2.02, 0}, {6, 6}, 0.4);
