@@ -1,6 +1,7 @@
 """treeline-agent map as a program: a killed drive, an interrupted one, errors."""
 
 import argparse
+import math
 import os
 import re
 import signal
@@ -17,6 +18,35 @@ LASER_HZ = 40
 def run(*arguments):
     return subprocess.run([AGENT, *arguments], capture_output=True, text=True,
                           timeout=120)
+
+
+def carmen_log(scans):
+    """A laser log of a drive to and fro in a room of 8 x 6 m with a niche."""
+    walls = [((-4, -3), (4, -3)), ((4, -3), (4, 1)), ((4, 1), (5, 1)),
+             ((5, 1), (5, 3)), ((5, 3), (-4, 3)), ((-4, 3), (-4, -3))]
+
+    def range_m(x, y, angle):
+        nearest = 80
+        dx, dy = math.cos(angle), math.sin(angle)
+        for (ax, ay), (bx, by) in walls:
+            wx, wy = bx - ax, by - ay
+            det = dx * wy - dy * wx
+            if abs(det) < 1e-9:
+                continue
+            along = ((ax - x) * wy - (ay - y) * wx) / det
+            part = ((ax - x) * dy - (ay - y) * dx) / det
+            if along > 0 and 0 <= part <= 1:
+                nearest = min(nearest, along)
+        return nearest
+
+    lines = []
+    for i in range(scans):
+        x = -2 + 0.1 * i if i < 20 else 0.1 * (scans - i) - 2
+        ranges = " ".join(f"{range_m(x, 0, math.radians(k - 90)):.3f}"
+                          for k in range(181))
+        lines.append(f"FLASER 181 {ranges} {x:.3f} 0 0 {x:.3f} 0 0 "
+                     f"{i}.0 robot {i}.0\n")
+    return "".join(lines)
 
 
 class LiveDrive:
@@ -102,6 +132,28 @@ class MapProgramTest(unittest.TestCase):
             refused = run("map", *arguments)
             self.assertNotEqual(refused.returncode, 0, arguments)
             self.assertIn(word, refused.stderr, arguments)
+
+    def test_odometry_is_trusted_as_told(self):
+        with open(self.path("room.log"), "w", encoding="utf-8") as file:
+            file.write(carmen_log(40))
+        off = {}
+        for noise in ("auto", "learned", "wheels", "gyroscope"):
+            mapped = run("map", "--log", self.path("room.log"), "--output",
+                         self.path(noise), "--quiet", "--odometry-noise",
+                         noise)
+            self.assertEqual(mapped.returncode, 0, mapped.stderr)
+            off[noise] = re.search(
+                r"off by ([0-9.]+) times \(way\) and ([0-9.]+) times",
+                mapped.stdout).groups()
+        # It begins with doubt, and learns from the scans; others do not.
+        self.assertGreater(float(off["learned"][1]), 1)
+        self.assertEqual(off["auto"], off["learned"])
+        self.assertEqual(off["wheels"], ("1.0", "1.0"))
+        self.assertEqual(off["gyroscope"], ("1.0", "1.0"))
+        wrong = run("map", "--log", self.path("room.log"), "--output",
+                    self.path("wrong"), "--odometry-noise", "none")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("gyroscope", wrong.stderr)
 
     def test_scores_are_of_the_reference(self):
         with open(self.path("a.txt"), "w", encoding="utf-8") as file:
