@@ -56,7 +56,9 @@ constexpr Values kSearchStep = {0.004, 0.004, 0.004, 0.004, 0.004, 0.004, 0.004,
 
 // So many compared points count as one: those of a frame share the error of
 // its pose.
-constexpr double kPointsPerObservation = 60;
+constexpr double kPointsPerObservation = 40;
+// Depth is rounded, and its noise is not known better than that.
+constexpr double kMinVariance = 0.01;
 constexpr int kIterations = 12;
 // Residuals above this many standard deviations are no match; wider at first.
 constexpr double kMaxResidualSigmas = 4;
@@ -115,6 +117,23 @@ camera::RgbdCalibration Apply(const camera::RgbdCalibration& nominal,
   return calibration;
 }
 
+// Of residuals in units of the depth noise; 0 stands for none. Poses have
+// errors, too: where surfaces lie further apart than noise explains, they tell
+// less.
+double RobustVariance(const std::vector<double>& residuals) {
+  std::vector<double> sizes;
+  for (const double residual : residuals) {
+    if (residual != 0) sizes.push_back(std::abs(residual));
+  }
+  if (sizes.empty()) return 1;
+  const auto middle =
+      sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  // 1.4826: a normal distribution's standard deviation by its median deviation.
+  const double sigma = 1.4826 * *middle;
+  return std::max(sigma * sigma, kMinVariance);
+}
+
 // Gauss-Newton with Tukey's loss on the surface residuals and the priors.
 class SurfaceFit {
  public:
@@ -154,6 +173,7 @@ class SurfaceFit {
       y[u] += (i % 2 == 0 ? 1 : -1) * kStep[u];
       surfaces_.Residuals(Apply(nominal_, y), shifted[static_cast<size_t>(i)]);
     });
+    const double variance = RobustVariance(residuals);
     Eigen::MatrixXd h = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n),
                                               static_cast<Eigen::Index>(n));
     Eigen::VectorXd g = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n));
@@ -170,7 +190,8 @@ class SurfaceFit {
       }
       if (!complete) continue;
       const double t = residuals[r] / cutoff;
-      const double weight = (1 - t * t) * (1 - t * t) / kPointsPerObservation;
+      const double weight =
+          (1 - t * t) * (1 - t * t) / (kPointsPerObservation * variance);
       h.noalias() += weight * row * row.transpose();
       g.noalias() += weight * residuals[r] * row;
     }

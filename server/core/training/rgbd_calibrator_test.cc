@@ -78,6 +78,22 @@ TEST_F(RgbdCalibratorTest, LeavesATrueCalibrationAlone) {
             0.004);
 }
 
+// A camera held on its side has its lenses one above the other, five standard
+// deviations from what is expected beforehand: exact poses tell.
+TEST_F(RgbdCalibratorTest, FindsAnOffsetThatIsNotExpected) {
+  camera::RgbdCalibration truth = BoxRoomCalibration();
+  truth.pose_sensor = camera::RgbdSensor::kColor;
+  truth.color_from_depth.translation = {0, 0.05, 0};
+  const auto dataset = Record(truth, 24);
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  const auto report = CalibrateRgbd(*dataset, {.frames = 24}, true, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  const geometry::Vec3 t = report->calibration.color_from_depth.translation;
+  EXPECT_NEAR(t.x, 0, 0.003);
+  EXPECT_NEAR(t.y, 0.05, 0.003);
+  EXPECT_NEAR(t.z, 0, 0.003);
+}
+
 // Poses off by 1 cm, as structure from motion and phones have them, must not be
 // explained by cameras that nobody builds.
 TEST_F(RgbdCalibratorTest, ErrorsOfPosesDoNotMoveTheCameras) {
