@@ -91,8 +91,7 @@ Regions::Regions(const Regions& without, const ConfigurationSpace& space)
     block_regions_[block].clear();
   }
   std::ranges::sort(beside);
-  const auto same = std::ranges::unique(beside);
-  beside.erase(same.begin(), same.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
   const auto first = static_cast<uint32_t>(regions_.size());
   for (const uint32_t block : changed) LabelBlock(space, block);
   for (const uint32_t region : beside) FindEdges(space, region);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numeric>
 
 #include "nav_agent/bridge/dds/domain.h"
@@ -56,7 +57,7 @@ TEST_F(NodeTest, SamplesArriveByteByByteAndInOrder) {
   EXPECT_EQ(publisher->topic(), "/scan");
   ASSERT_TRUE(WaitForMatch(*b_, *publisher));
   // Sizes that are no multiple of four, and one that takes several packets.
-  for (const size_t size : {8, 9, 10, 11, 100'001}) {
+  for (const size_t size : std::array<size_t, 5>{8, 9, 10, 11, 100'001}) {
     const std::vector<uint8_t> sent = Bytes(size, 7);
     ASSERT_TRUE(publisher->Publish(sent).ok());
     ASSERT_TRUE(b_->Wait(seconds(10)));
