@@ -246,7 +246,8 @@ TEST_F(SceneMapsTest, OnlySoManyWaitForAScene) {
     answers.push_back(answer.status());
   };
   for (int i = 0; i < 3; ++i)
-    maps.Start({.request = request, .stop = {}, .done = add});
+    maps.Start(
+        {.request = request, .client = "tester", .stop = {}, .done = add});
   {
     const absl::MutexLock lock(&mutex);
     ASSERT_EQ(answers.size(), 1u);
