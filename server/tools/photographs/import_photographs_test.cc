@@ -79,9 +79,10 @@ class ImportPhotographsTest : public testing::Test {
                                    int width, int height) {
     camera::RgbdCalibration calibration;
     calibration.color = calibration.depth =
-        camera::Camera::Create(
-            camera::CameraModel::kPinhole, width, height,
-            {400, 400, (width - 1) / 2.0, (height - 1) / 2.0})
+        camera::Camera::Parse(
+            absl::StrFormat("PINHOLE,400,400,%g,%g", (width - 1) / 2.0,
+                            (height - 1) / 2.0),
+            width, height)
             .value();
     return training::RenderBoxRoom(calibration, world_from_camera,
                                    training::BoxRoomWalls::kTiled)
