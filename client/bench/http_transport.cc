@@ -219,6 +219,10 @@ void HttpTransport::SetUp(CURL* easy, Exchange& exchange, int64_t timeout_ms) {
               absl::StrCat("Authorization: Bearer ", endpoint_.token->Get()));
   }
   curl_easy_reset(easy);
+  // In the clear it goes to this machine, and not by way of another.
+  if (endpoint_.token != nullptr && endpoint_.tls.ca_file.empty()) {
+    curl_easy_setopt(easy, CURLOPT_NOPROXY, "*");
+  }
   curl_easy_setopt(easy, CURLOPT_URL, url.c_str());
   curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
   curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
@@ -293,15 +297,21 @@ void HttpTransport::End(const ExchangePtr& exchange, CURLcode code,
   done(reply);
 }
 
-absl::StatusOr<std::unique_ptr<relocalizer::TokenSource>> TokenOf(
-    const relocalizer::ConnectOptions& options) {
-  if (!options.token_file.empty()) {
-    return relocalizer::TokenSource::FromFile(options.token_file);
+// Stricter than ConnectOptions::Validate(): gRPC's "unix:80" is a socket file,
+// and here a host.
+absl::Status CheckAddress(absl::string_view address,
+                          const relocalizer::ConnectOptions& options,
+                          bool has_token) {
+  if (!relocalizer::IsUrlHost(address)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "\"", address, "\" is no address over HTTP: write HOST:PORT"));
   }
-  if (!options.token_variable.empty()) {
-    return relocalizer::TokenSource::FromEnvironment(options.token_variable);
+  if (has_token && options.tls.ca_file.empty() &&
+      !relocalizer::IsUrlHostOnThisMachine(address)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "a token would travel to ", address, " in the clear; use TLS"));
   }
-  return nullptr;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -320,12 +330,14 @@ absl::StatusOr<std::unique_ptr<Transport>> MakeHttpTransport(
                     .tls = options.tls,
                     .token = nullptr,
                     .bodies = {}};
+  TL_ASSIGN_OR_RETURN(endpoint.token, relocalizer::TokenSource::Open(options));
   for (const absl::string_view address : absl::StrSplit(options.server, ',')) {
+    TL_RETURN_IF_ERROR(
+        CheckAddress(address, options, endpoint.token != nullptr));
     endpoint.urls.push_back(
         absl::StrCat(options.tls.ca_file.empty() ? "http://" : "https://",
                      address, PathOf(target)));
   }
-  TL_ASSIGN_OR_RETURN(endpoint.token, TokenOf(options));
   for (const WorkItem& item : items) {
     TL_ASSIGN_OR_RETURN(std::string body, HttpBody(target, item));
     endpoint.bodies.push_back(std::move(body));

@@ -4,6 +4,7 @@
 #include <httplib.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <string>
 #include <thread>
 
@@ -178,6 +179,30 @@ TEST_F(HttpTransportTest, RefusesWhatItCannotDo) {
               HasSubstr("--tls-server-name"));
   EXPECT_THAT(error({.server = "127.0.0.1:1", .token_file = "/no/token"}),
               HasSubstr("/no/token"));
+  // gRPC's names are none over HTTP, and curl would ask a host "unix".
+  for (const char* server :
+       {"unix:/run/x", "dns:///localhost:1", "127.0.0.1:1@robot"}) {
+    EXPECT_THAT(error({.server = server}), HasSubstr("HOST:PORT")) << server;
+  }
+  ASSERT_EQ(setenv("TREELINE_TEST_TOKEN", "secret", 1), 0);
+  EXPECT_THAT(
+      error({.server = "unix:80", .token_variable = "TREELINE_TEST_TOKEN"}),
+      HasSubstr("in the clear"));
+}
+
+TEST_F(HttpTransportTest, ATokenPassesNoProxy) {
+  // As a proxy the server would be asked, and there is none at its address.
+  ASSERT_EQ(setenv("TREELINE_TEST_TOKEN", "secret", 1), 0);
+  ASSERT_EQ(setenv("http_proxy", Address().c_str(), 1), 0);
+  auto transport = MakeHttpTransport(
+      Target::kConnect,
+      {.server = "127.0.0.1:1", .token_variable = "TREELINE_TEST_TOKEN"}, 1,
+      items_);
+  ASSERT_TRUE(transport.ok()) << transport.status();
+  EXPECT_EQ(AskOnce(**transport, std::chrono::seconds(30)).code(),
+            absl::StatusCode::kUnavailable);
+  ASSERT_EQ(unsetenv("http_proxy"), 0);
+  EXPECT_EQ(calls_, 0);
 }
 
 }  // namespace

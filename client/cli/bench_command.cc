@@ -195,7 +195,8 @@ int RunBench(BenchFlags flags, const std::stop_token& stop) {
   }
   std::optional<bench::ServerCourse> course;
   if (!flags.metrics_url.empty()) {
-    auto source = MetricsSource::Open(flags.metrics_url, flags.connection);
+    auto source = MetricsSource::Open(flags.metrics_url,
+                                      ConnectOptionsOf(flags.connection));
     if (!source.ok()) return ReportLocalFailure(source.status());
     // A wrong address is told before the load, not after it.
     if (const auto first = source->Fetch(); !first.ok()) {

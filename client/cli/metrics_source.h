@@ -1,4 +1,4 @@
-// A server's /metrics, as the connection flags reach it.
+// A server's /metrics, reached as its other calls are.
 #ifndef CLIENT_CLI_METRICS_SOURCE_H_
 #define CLIENT_CLI_METRICS_SOURCE_H_
 
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/cli/connection_flags.h"
+#include "client/relocalizer/connect_options.h"
 #include "client/relocalizer/token_source.h"
 #include "client/scrape/http_get.h"
 
@@ -16,11 +16,11 @@ namespace treeline::client_cli {
 class MetricsSource {
  public:
   // `url`: "http://HOST:PORT" or with a path; /metrics is the one without.
-  // Certificates and token are those of the flags. INVALID_ARGUMENT: no such
-  // address, or a token would travel in the clear to another machine; otherwise
-  // what is wrong with the token's file.
-  static absl::StatusOr<MetricsSource> Open(const std::string& url,
-                                            const ConnectionFlags& flags);
+  // Certificates and token are those of the options; nothing else of them is
+  // used. INVALID_ARGUMENT: no such address, or a token would travel in the
+  // clear to another machine; otherwise what is wrong with the token's file.
+  static absl::StatusOr<MetricsSource> Open(
+      const std::string& url, const relocalizer::ConnectOptions& options);
 
   const std::string& url() const { return url_; }
   // As HttpGet.

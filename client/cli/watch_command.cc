@@ -133,7 +133,8 @@ bool Pause(double s, const std::stop_token& stop) {
 }
 
 int RunWatch(const WatchFlags& flags, const std::stop_token& stop) {
-  const auto source = MetricsSource::Open(flags.url, flags.connection);
+  const auto source =
+      MetricsSource::Open(flags.url, ConnectOptionsOf(flags.connection));
   if (!source.ok()) {
     ReportLocalFailure(source.status());
     return kExitUsage;

@@ -109,17 +109,6 @@ absl::Status NameServer(const ConnectOptions& options,
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<TokenSource>> TokenOf(
-    const ConnectOptions& options) {
-  if (!options.token_file.empty()) {
-    return TokenSource::FromFile(options.token_file);
-  }
-  if (!options.token_variable.empty()) {
-    return TokenSource::FromEnvironment(options.token_variable);
-  }
-  return nullptr;
-}
-
 grpc::ChannelArguments ArgumentsOf(const ConnectOptions& options) {
   grpc::ChannelArguments arguments;
   arguments.SetServiceConfigJSON(ServiceConfig(options.max_attempts));
@@ -145,7 +134,8 @@ Connection::Connection(std::shared_ptr<grpc::Channel> channel,
 absl::StatusOr<Connection> Connection::Open(const ConnectOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(const std::string target, GrpcTarget(options.server));
-  TL_ASSIGN_OR_RETURN(std::shared_ptr<TokenSource> token, TokenOf(options));
+  TL_ASSIGN_OR_RETURN(std::shared_ptr<TokenSource> token,
+                      TokenSource::Open(options));
   grpc::ChannelArguments arguments = ArgumentsOf(options);
   std::shared_ptr<grpc::ChannelCredentials> credentials =
       grpc::InsecureChannelCredentials();

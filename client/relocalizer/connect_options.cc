@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -28,13 +29,12 @@ std::string Text(absl::string_view text) { return {text.data(), text.size()}; }
 HostAndPort Split(absl::string_view address) {
   const size_t colon = address.rfind(':');
   const size_t bracket = address.rfind(']');
-  if (colon == absl::string_view::npos ||
-      (bracket != absl::string_view::npos && colon < bracket)) {
-    return {.host = Text(address), .port = ""};
-  }
-  absl::string_view host = address.substr(0, colon);
+  const bool has_port = colon != absl::string_view::npos &&
+                        (bracket == absl::string_view::npos || colon > bracket);
+  absl::string_view host = has_port ? address.substr(0, colon) : address;
   if (absl::ConsumePrefix(&host, "[")) absl::ConsumeSuffix(&host, "]");
-  return {.host = Text(host), .port = Text(address.substr(colon + 1))};
+  return {.host = Text(host),
+          .port = has_port ? Text(address.substr(colon + 1)) : ""};
 }
 
 bool IsAddress(int family, const std::string& host) {
@@ -64,9 +64,13 @@ absl::Status CheckListed(const std::string& address, int family) {
   return absl::OkStatus();
 }
 
-bool IsHostOnThisMachine(const std::string& host) {
-  return host == "localhost" || host == "::1" ||
-         (IsAddress(AF_INET, host) && absl::StartsWith(host, "127."));
+// What is behind the host must be a port: others may read "127.0.0.1:1@robot"
+// as a user's name on another host.
+bool IsAddressOnThisMachine(absl::string_view address) {
+  const auto [host, port] = Split(address);
+  return (port.empty() || IsPort(port)) &&
+         (host == "localhost" || host == "::1" ||
+          (IsAddress(AF_INET, host) && absl::StartsWith(host, "127.")));
 }
 
 absl::Status OutOfRange(absl::string_view name, int value, int high) {
@@ -94,8 +98,23 @@ bool IsOnThisMachine(absl::string_view server) {
   const std::vector<std::string> addresses = absl::StrSplit(server, ',');
   return std::all_of(addresses.begin(), addresses.end(),
                      [](const std::string& address) {
-                       return IsHostOnThisMachine(Split(address).host);
+                       return IsAddressOnThisMachine(address);
                      });
+}
+
+bool IsUrlHost(absl::string_view address) {
+  const auto [host, port] = Split(address);
+  if (host.empty() || absl::EndsWith(address, ":")) return false;
+  if (!port.empty() && !IsPort(port)) return false;
+  if (absl::StartsWith(address, "[")) return IsAddress(AF_INET6, host);
+  return std::all_of(host.begin(), host.end(), [](char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '.' ||
+           c == '-' || c == '_';
+  });
+}
+
+bool IsUrlHostOnThisMachine(absl::string_view address) {
+  return IsUrlHost(address) && IsAddressOnThisMachine(address);
 }
 
 absl::Status ConnectOptions::Validate() const {

@@ -58,6 +58,12 @@ absl::StatusOr<std::string> GrpcTarget(absl::string_view server);
 // localhost, or a socket file.
 bool IsOnThisMachine(absl::string_view server);
 
+// Whether it is what URLs have between "http://" and their path: HOST or
+// HOST:PORT. None of gRPC's schemes, no user's name, no list.
+bool IsUrlHost(absl::string_view address);
+// Whether it is one of this machine, too.
+bool IsUrlHostOnThisMachine(absl::string_view address);
+
 }  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_CONNECT_OPTIONS_H_

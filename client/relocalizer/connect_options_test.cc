@@ -53,8 +53,28 @@ TEST(ConnectOptions, KnowsThisMachine) {
     EXPECT_TRUE(IsOnThisMachine(server)) << server;
   }
   for (const char* server : {"10.0.0.1:1", "127.0.0.1:1,10.0.0.1:2", "robot:1",
-                             "127.evil.org:1", "[::2]:1", "localhost.org:1"}) {
+                             "127.evil.org:1", "[::2]:1", "localhost.org:1",
+                             "127.0.0.1:1@robot", "localhost:@robot"}) {
     EXPECT_FALSE(IsOnThisMachine(server)) << server;
+  }
+}
+
+TEST(ConnectOptions, KnowsHostsOfUrls) {
+  for (const char* host : {"127.0.0.1:80", "127.0.0.1", "localhost", "[::1]:80",
+                           "[::1]", "127.9.9.9:1"}) {
+    EXPECT_TRUE(IsUrlHostOnThisMachine(host)) << host;
+  }
+  // gRPC's names of this machine are hosts in a URL, or none.
+  for (const char* host : {"robot", "robot.example:443", "unix:80", "dns:1"}) {
+    EXPECT_TRUE(IsUrlHost(host)) << host;
+    EXPECT_FALSE(IsUrlHostOnThisMachine(host)) << host;
+  }
+  for (const char* host :
+       {"", ":80", "unix:", "unix:/run/x", "dns:///localhost:1",
+        "ipv4:127.0.0.1:1", "127.0.0.1:80@robot", "127.0.0.1@robot",
+        "127.0.0.1:1,127.0.0.1:2", "127.0.0.1?x", "127.0.0.1#x",
+        "127.0.0.1\\@robot", "127.0.0.1:0", "[::1", "[robot]", "::1", "a b"}) {
+    EXPECT_FALSE(IsUrlHost(host)) << host;
   }
 }
 

@@ -60,6 +60,15 @@ TokenSource::FileState TokenSource::StateOf(const std::string& path) {
           .changed = info.st_mtim};
 }
 
+absl::StatusOr<std::unique_ptr<TokenSource>> TokenSource::Open(
+    const ConnectOptions& options) {
+  if (!options.token_file.empty()) return FromFile(options.token_file);
+  if (!options.token_variable.empty()) {
+    return FromEnvironment(options.token_variable);
+  }
+  return nullptr;
+}
+
 absl::StatusOr<std::unique_ptr<TokenSource>> TokenSource::FromFile(
     const std::string& path) {
   TL_ASSIGN_OR_RETURN(std::string token, ReadToken(path));

@@ -10,6 +10,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "client/relocalizer/connect_options.h"
 
 namespace treeline::relocalizer {
 
@@ -17,6 +18,9 @@ namespace treeline::relocalizer {
 // Thread-safe.
 class TokenSource {
  public:
+  // What the options say; null: no token.
+  static absl::StatusOr<std::unique_ptr<TokenSource>> Open(
+      const ConnectOptions& options);
   // The file's content without white space around it. As ReadFile;
   // INVALID_ARGUMENT if there is nothing in it, or what no token has. No error
   // says what was in it.

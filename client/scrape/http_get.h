@@ -18,7 +18,8 @@ struct HttpGetOptions {
   std::chrono::milliseconds timeout = std::chrono::seconds(2);
 };
 
-// The body of the answer, at most 8 MiB; redirects are not followed.
+// The body of the answer, at most 8 MiB; redirects are not followed, and a
+// token in the clear passes no proxy.
 // UNAVAILABLE: no answer in time; otherwise the status code's own error
 // (UNAUTHENTICATED for 401, PERMISSION_DENIED for 403, NOT_FOUND for 404,
 // UNKNOWN for others). Every error names the address. Thread-safe.

@@ -231,6 +231,8 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
                       ChooseCalibration(options, index, focal_length_px));
   dataset.uri_ = options.uri;
   dataset.frames_ = std::move(index.frames);
+  dataset.states_its_cameras_ =
+      std::holds_alternative<camera::RgbdCalibration>(index.cameras);
   dataset.depth_is_registered_ = DepthIsRegistered(index);
   dataset.units_are_metres_ = index.units_are_metres;
   dataset.structure_ = std::move(index.structure);

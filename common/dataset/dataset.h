@@ -74,6 +74,9 @@ class Dataset {
   // As given by the options or the format's default; color_from_depth is the
   // identity where the format leaves it unknown (7-Scenes).
   const camera::RgbdCalibration& calibration() const { return calibration_; }
+  // Whether the recording itself says which cameras took it, rather than the
+  // format's default or the options alone.
+  bool states_its_cameras() const { return states_its_cameras_; }
   // Whether depth pixel (x, y) already sees what colour pixel (x, y) sees
   // (TUM); false for 7-Scenes.
   bool depth_is_registered() const { return depth_is_registered_; }
@@ -108,6 +111,7 @@ class Dataset {
   std::string uri_;
   std::vector<DatasetFrame> frames_;
   camera::RgbdCalibration calibration_;
+  bool states_its_cameras_ = false;
   bool depth_is_registered_ = false;
   double depth_unit_m_ = 0.001;
   bool units_are_metres_ = true;

@@ -222,6 +222,7 @@ TEST_F(DatasetTest, CamerasBesideTheFramesAreTaken) {
   const auto dataset = Dataset::Open(SevenScenes());
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   EXPECT_EQ(dataset->calibration(), cameras);
+  EXPECT_TRUE(dataset->states_its_cameras());
   DatasetOptions options = SevenScenes();
   options.color_camera = "PINHOLE,600,600,320,240";
   EXPECT_EQ(Dataset::Open(options)->calibration().color.fx(), 600);

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <openssl/evp.h>
-#include <openssl/x509.h>
 
 #include <chrono>
 #include <memory>
@@ -13,6 +11,7 @@
 #include "common/base/listen_address.h"
 #include "common/http/http_server.h"
 #include "common/http/testing_raw_client.h"
+#include "common/http/testing_tls.h"
 
 namespace treeline::http {
 namespace {
@@ -36,38 +35,6 @@ class NamesHandler final : public HttpHandler {
   }
 
   std::vector<std::string> names;
-};
-
-// A key and a certificate that it has signed itself.
-class SelfSigned {
- public:
-  SelfSigned() : key_(EVP_EC_gen("P-256")), certificate_(X509_new()) {
-    X509_set_version(certificate_, X509_VERSION_3);
-    X509_gmtime_adj(X509_getm_notBefore(certificate_), -60);
-    X509_gmtime_adj(X509_getm_notAfter(certificate_), 3600);
-    X509_NAME* name = X509_get_subject_name(certificate_);
-    X509_NAME_add_entry_by_txt(
-        name, "CN", MBSTRING_ASC,
-        reinterpret_cast<const unsigned char*>("localhost"), -1, -1, 0);
-    X509_set_issuer_name(certificate_, name);
-    X509_set_pubkey(certificate_, key_);
-    X509_sign(certificate_, key_, EVP_sha256());
-  }
-  ~SelfSigned() {
-    X509_free(certificate_);
-    EVP_PKEY_free(key_);
-  }
-  SelfSigned(const SelfSigned&) = delete;
-  SelfSigned& operator=(const SelfSigned&) = delete;
-
-  bool Configure(SSL_CTX& context) const {
-    return SSL_CTX_use_certificate(&context, certificate_) == 1 &&
-           SSL_CTX_use_PrivateKey(&context, key_) == 1;
-  }
-
- private:
-  EVP_PKEY* key_;
-  X509* certificate_;
 };
 
 class HttpServerTlsTest : public ::testing::Test {

@@ -28,11 +28,11 @@ class RawClient {
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(connect(fd_, reinterpret_cast<sockaddr*>(&to), sizeof(to)), 0);
   }
-  ~RawClient() { close(fd_); }
+  virtual ~RawClient() { close(fd_); }
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
-  bool Send(absl::string_view bytes) const {
+  virtual bool Send(absl::string_view bytes) const {
     return send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
            static_cast<ssize_t>(bytes.size());
   }
@@ -41,7 +41,7 @@ class RawClient {
     std::string all;
     std::array<char, 4096> buffer;
     for (;;) {
-      const ssize_t got = recv(fd_, buffer.data(), buffer.size(), 0);
+      const ssize_t got = Receive(buffer.data(), buffer.size());
       if (got <= 0) return all;
       all.append(buffer.data(), static_cast<size_t>(got));
     }
@@ -49,11 +49,18 @@ class RawClient {
   // At least one byte.
   std::string ReadSome() const {
     std::array<char, 4096> buffer;
-    const ssize_t got = recv(fd_, buffer.data(), buffer.size(), 0);
+    const ssize_t got = Receive(buffer.data(), buffer.size());
     return got <= 0 ? "" : std::string(buffer.data(), static_cast<size_t>(got));
   }
 
+ protected:
+  int fd() const { return fd_; }
+
  private:
+  virtual ssize_t Receive(char* to, size_t size) const {
+    return recv(fd_, to, size, 0);
+  }
+
   const int fd_;
 };
 

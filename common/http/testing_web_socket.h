@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
@@ -69,13 +71,18 @@ class TestSocket {
   // Sends the handshake; `headers`: whole lines.
   TestSocket(const std::string& address, const std::string& path,
              const std::string& headers = "")
-      : client_(address) {
-    client_.Send(absl::StrCat("GET ", path, " HTTP/1.1\r\nHost: ", address,
-                              "\r\nUpgrade: websocket\r\n"
-                              "Connection: keep-alive, Upgrade\r\n"
-                              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                              "Sec-WebSocket-Version: 13\r\n",
-                              headers, "\r\n"));
+      : TestSocket(std::make_unique<RawClient>(address), address, path,
+                   headers) {}
+  // The same on a connection that there is.
+  TestSocket(std::unique_ptr<RawClient> client, const std::string& address,
+             const std::string& path, const std::string& headers)
+      : client_(std::move(client)) {
+    client_->Send(absl::StrCat("GET ", path, " HTTP/1.1\r\nHost: ", address,
+                               "\r\nUpgrade: websocket\r\n"
+                               "Connection: keep-alive, Upgrade\r\n"
+                               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                               "Sec-WebSocket-Version: 13\r\n",
+                               headers, "\r\n"));
   }
 
   // The head of the server's answer; what follows it is kept for ReadFrame().
@@ -89,7 +96,7 @@ class TestSocket {
     return head;
   }
 
-  bool Send(absl::string_view bytes) const { return client_.Send(bytes); }
+  bool Send(absl::string_view bytes) const { return client_->Send(bytes); }
   bool SendMessage(uint8_t opcode, absl::string_view bytes) const {
     return Send(TestFrame(opcode, bytes));
   }
@@ -114,7 +121,7 @@ class TestSocket {
 
  private:
   bool ReadMore() {
-    const std::string more = client_.ReadSome();
+    const std::string more = client_->ReadSome();
     ahead_ += more;
     return !more.empty();
   }
@@ -125,7 +132,7 @@ class TestSocket {
     return true;
   }
 
-  const RawClient client_;
+  const std::unique_ptr<RawClient> client_;
   std::string ahead_;
 };
 

@@ -178,8 +178,8 @@ class ForeignAsker {
     std::optional<camera::RgbdCalibration> calibration;
     if (!source.builtin) {
       TL_ASSIGN_OR_RETURN(dataset, dataset::Dataset::Open(source.dataset));
-      calibration = ForeignCalibration(*dataset, source.dataset,
-                                       localizer_.info().calibration);
+      calibration = QueryCalibration(*dataset, source.dataset,
+                                     localizer_.info().calibration);
     }
     const int count = dataset ? dataset->size() : source.builtin_count;
     std::vector<Answers> answers(static_cast<size_t>(count));
@@ -329,25 +329,6 @@ absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view whole) {
       absl::StrCat("\"", whole,
                    "\" names no foreign images: it must be builtin, builtin,N, "
                    "URI or URI,FRAMES"));
-}
-
-std::optional<camera::RgbdCalibration> ForeignCalibration(
-    const dataset::Dataset& dataset, const dataset::DatasetOptions& options,
-    const camera::RgbdCalibration& scene) {
-  std::optional<camera::RgbdCalibration> query =
-      QueryCalibration(dataset, options, scene);
-  camera::RgbdCalibration calibration = query.value_or(scene);
-  const auto differs = [](const camera::Camera& a, const camera::Camera& b) {
-    return a.width() != b.width() || a.height() != b.height();
-  };
-  const camera::RgbdCalibration& own = dataset.calibration();
-  if (!differs(calibration.color, own.color) &&
-      !differs(calibration.depth, own.depth)) {
-    return query;
-  }
-  calibration.color = own.color;
-  calibration.depth = own.depth;
-  return calibration;
 }
 
 image::Frame BuiltinForeignFrame(const camera::RgbdCalibration& calibration,

@@ -43,13 +43,6 @@ absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view text);
 image::Frame BuiltinForeignFrame(const camera::RgbdCalibration& calibration,
                                  int index);
 
-// What to tell a localizer about the cameras of a recording that need not be of
-// its scene: as QueryCalibration, but where the recording's cameras have
-// another size than the scene's, the recording's replace them.
-std::optional<camera::RgbdCalibration> ForeignCalibration(
-    const dataset::Dataset& dataset, const dataset::DatasetOptions& options,
-    const camera::RgbdCalibration& scene);
-
 // What became of a source's pictures.
 struct NegativeTally {
   std::string source;

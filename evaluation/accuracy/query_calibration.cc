@@ -3,14 +3,21 @@
 #include <cmath>
 
 namespace treeline::accuracy {
+namespace {
+
+bool HasOtherSize(const camera::Camera& a, const camera::Camera& b) {
+  return a.width() != b.width() || a.height() != b.height();
+}
+
+}  // namespace
 
 bool MayBeOneCamera(const camera::Camera& a, const camera::Camera& b) {
   constexpr double kNear = 0.03;
   const auto is_near = [](double x, double y, double size) {
     return std::abs(x - y) <= kNear * size;
   };
-  return a.width() == b.width() && a.height() == b.height() &&
-         is_near(a.fx(), b.fx(), b.fx()) && is_near(a.fy(), b.fy(), b.fy()) &&
+  return !HasOtherSize(a, b) && is_near(a.fx(), b.fx(), b.fx()) &&
+         is_near(a.fy(), b.fy(), b.fy()) &&
          is_near(a.cx(), b.cx(), b.width()) &&
          is_near(a.cy(), b.cy(), b.height());
 }
@@ -29,6 +36,16 @@ std::optional<camera::RgbdCalibration> QueryCalibration(
     query.color = recorded.color;
     query.depth = recorded.depth;
     query.color_from_depth = recorded.color_from_depth;
+    return query;
+  }
+  if (HasOtherSize(recorded.color, query.color) ||
+      HasOtherSize(recorded.depth, query.depth)) {
+    // Another device: the scene's cameras say nothing of it.
+    query.color = recorded.color;
+    query.depth = recorded.depth;
+    if (dataset.states_its_cameras()) {
+      query.color_from_depth = recorded.color_from_depth;
+    }
     return query;
   }
   if (!options.color_camera.empty() &&

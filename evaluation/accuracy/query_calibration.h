@@ -18,12 +18,14 @@ bool MayBeOneCamera(const camera::Camera& a, const camera::Camera& b);
 // A scene's stored calibration may have been estimated from its training
 // frames, and knows more than a format's default does. So it is kept (nullopt)
 // unless the recording is known to come from other cameras: because the user
-// named them (`options`), or because depth is registered to a colour camera
-// that is not the scene's. Then those cameras replace the stored ones, unless
-// they may be the very ones that training refined (MayBeOneCamera); the
-// depth scale, a property of the scene's unit of length, stays the scene's,
-// and so does the offset between cameras that are not registered. The frames of
-// a structure from motion come with their own cameras (nullopt).
+// named them (`options`), because its pictures have another size, or because
+// depth is registered to a colour camera that is not the scene's. Then those
+// cameras replace the stored ones, unless they may be the very ones that
+// training refined (MayBeOneCamera); the depth scale, a property of the scene's
+// unit of length, stays the scene's, and so does the offset between cameras
+// that are not registered, unless pictures of another size come with one of
+// their own. The frames of a structure from motion come with their own cameras
+// (nullopt).
 std::optional<camera::RgbdCalibration> QueryCalibration(
     const dataset::Dataset& dataset, const dataset::DatasetOptions& options,
     const camera::RgbdCalibration& scene_calibration);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/camera/calibration_json.h"
 #include "common/camera/derived_camera.h"
 #include "gtest/gtest.h"
 #include "server/tools/testing_fixtures.h"
@@ -11,12 +12,23 @@
 namespace treeline::accuracy {
 namespace {
 
+// Of 640 x 480 pixels.
 camera::RgbdCalibration EstimatedCalibration() {
   camera::RgbdCalibration calibration;
   calibration.color =
       camera::Camera::Parse("PINHOLE,526,526,320,236", 640, 480).value();
+  calibration.depth =
+      camera::Camera::Parse("PINHOLE,586,586,320,238", 640, 480).value();
   calibration.color_from_depth.translation = {-0.02, 0, 0};
   calibration.depth_scale = 1.007;
+  return calibration;
+}
+
+// Of 8 x 6 pixels, as the recordings here.
+camera::RgbdCalibration SmallEstimatedCalibration() {
+  camera::RgbdCalibration calibration = EstimatedCalibration();
+  calibration.color = camera::Camera::Parse("PINHOLE,14,14,4,3", 8, 6).value();
+  calibration.depth = camera::Camera::Parse("PINHOLE,15,15,4,3", 8, 6).value();
   return calibration;
 }
 
@@ -25,15 +37,16 @@ TEST(QueryCalibration, KeepsTheScenesWhereTheFormatOnlyGuesses) {
   dataset::DatasetOptions unnamed = recording.options();
   unnamed.color_camera.clear();
   unnamed.depth_camera.clear();
-  EXPECT_EQ(QueryCalibration(recording.Open(), unnamed, EstimatedCalibration()),
-            std::nullopt);
+  EXPECT_EQ(
+      QueryCalibration(recording.Open(), unnamed, SmallEstimatedCalibration()),
+      std::nullopt);
 }
 
 TEST(QueryCalibration, TakesANamedCameraAndKeepsOffsetAndScale) {
   const tools::SmallRecording recording(1, {});
   dataset::DatasetOptions only_color = recording.options();
   only_color.depth_camera.clear();
-  const camera::RgbdCalibration scene = EstimatedCalibration();
+  const camera::RgbdCalibration scene = SmallEstimatedCalibration();
   const std::optional<camera::RgbdCalibration> query =
       QueryCalibration(recording.Open(), only_color, scene);
   ASSERT_TRUE(query.has_value());
@@ -52,6 +65,32 @@ TEST(QueryCalibration, KeepsWhatTrainingRefinedOfANamedCamera) {
             std::nullopt);
   refined.color = camera::WithFocalScaled(refined.color, 1.02).value();
   EXPECT_TRUE(QueryCalibration(dataset, recording.options(), refined));
+}
+
+// The localizer refuses frames whose size is not that of their cameras.
+TEST(QueryCalibration, TakesTheCamerasOfPicturesOfAnotherSize) {
+  const tools::SmallRecording recording(1, {});
+  dataset::DatasetOptions unnamed = recording.options();
+  unnamed.color_camera.clear();
+  unnamed.depth_camera.clear();
+  camera::RgbdCalibration scene = SmallEstimatedCalibration();
+  scene.depth = EstimatedCalibration().depth;
+  const std::optional<camera::RgbdCalibration> query =
+      QueryCalibration(recording.Open(), unnamed, scene);
+  ASSERT_TRUE(query.has_value());
+  EXPECT_EQ(query->color.fx(), 10);
+  EXPECT_EQ(query->depth.fx(), 11);
+  EXPECT_EQ(query->color_from_depth, scene.color_from_depth);
+  EXPECT_EQ(query->depth_scale, scene.depth_scale);
+  // One that says itself what took it knows its own offset, too.
+  camera::RgbdCalibration own = recording.Open().calibration();
+  own.color_from_depth.translation = {0.01, 0, 0};
+  std::ofstream(recording.folder() + "/cameras.json")
+      << camera::CalibrationToJson(own);
+  const auto stated =
+      QueryCalibration(dataset::Dataset::Open(unnamed).value(), unnamed, scene);
+  ASSERT_TRUE(stated.has_value());
+  EXPECT_EQ(stated->color_from_depth, own.color_from_depth);
 }
 
 // A TUM recording of one 8 x 6 frame, whose depth is registered.

@@ -8,6 +8,7 @@
 #include "common/base/parallel_for.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "evaluation/accuracy/query_calibration.h"
 #include "server/core/recognition/appearance_words.h"
 
 namespace treeline::accuracy {
@@ -112,8 +113,8 @@ class QueryRun {
       to_try.calibration =
           own || !dataset_
               ? own
-              : ForeignCalibration(*dataset_, query_.source.dataset,
-                                   to_try.localizer->info().calibration);
+              : QueryCalibration(*dataset_, query_.source.dataset,
+                                 to_try.localizer->info().calibration);
       return to_try;
     };
     const base::MonotonicTime start = clock_.Now();

@@ -11,9 +11,11 @@
 #include <thread>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/byte_budget.h"
 #include "common/base/error_info.h"
+#include "common/http/testing_tls.h"
 #include "common/http/testing_web_socket.h"
 #include "common/wire/status.h"
 #include "server/gateway/gateway.h"
@@ -83,6 +85,28 @@ class LocalizeSocketTest : public ::testing::Test {
     EXPECT_TRUE(response.ParseFromString(frame.bytes));
     return response;
   }
+  // All that a stream does, over `socket`: in both directions messages of many
+  // TLS records, and of several in one.
+  void ExpectAStream(TestSocket& socket) {
+    constexpr size_t kLarge = 300000;
+    dispatcher_.on_localize = [](const v1::LocalizeRequest& request) {
+      v1::LocalizeResponse response;
+      response.set_scene(request.frame().color().encoded());
+      return response;
+    };
+    v1::LocalizeStreamRequest large;
+    large.set_id(1);
+    large.mutable_localize()->mutable_frame()->mutable_color()->set_encoded(
+        std::string(kLarge, 'x'));
+    socket.SendMessage(kTestBinary, large.SerializeAsString());
+    socket.Send(http::TestFrame(kTestBinary, Request(2, "hall")) +
+                http::TestFrame(kTestBinary, Request(3, "hall")));
+    EXPECT_THAT(Answer(socket).response().scene(), SizeIs(kLarge));
+    EXPECT_EQ(Answer(socket).id(), 2u);
+    EXPECT_EQ(Answer(socket).id(), 3u);
+    socket.SendMessage(kTestPing, "are you there?");
+    EXPECT_EQ(socket.ReadFrame().opcode, kTestPong);
+  }
   static void ExpectClose(TestSocket& socket, int code,
                           const std::string& reason) {
     const TestSocket::Frame frame = socket.ReadFrame();
@@ -96,6 +120,7 @@ class LocalizeSocketTest : public ::testing::Test {
   }
 
   const base::SteadyClock clock_{};
+  const http::SelfSigned certificate_{};
   base::ByteBudget budget_{kBudget};
   GatewayOptions options_;
   TestingDispatcher dispatcher_;
@@ -198,6 +223,63 @@ TEST_F(LocalizeSocketTest, AClientThatClosesOrGoesCancelsItsFrames) {
   const std::stop_token stop = dispatcher_.calls()[1].stop;
   socket.reset();
   while (!stop.stop_requested()) std::this_thread::yield();
+  AwaitEmptyBudget();
+}
+
+class LocalizeSocketTlsTest : public LocalizeSocketTest {
+ protected:
+  void SetUp() override {
+    options_.http.tls = http::ServerTls{
+        .configure =
+            [this](SSL_CTX& context) {
+              return certificate_.Configure(context);
+            },
+        .client_names = [](SSL*) { return std::vector<std::string>{"robot"}; }};
+    LocalizeSocketTest::SetUp();
+  }
+  std::unique_ptr<TestSocket> OpenTls() {
+    auto socket = std::make_unique<TestSocket>(
+        std::make_unique<http::TlsClient>(gateway_->address()),
+        gateway_->address(), kPath, "");
+    EXPECT_THAT(socket->ReadHead(), HasSubstr("HTTP/1.1 101 "));
+    return socket;
+  }
+};
+
+TEST_F(LocalizeSocketTlsTest, AnswersAndSaysGoodbye) {
+  const auto socket = OpenTls();
+  ExpectAStream(*socket);
+  EXPECT_THAT(dispatcher_.calls()[0].credentials.certificate_names,
+              ElementsAre("robot"));
+  socket->SendMessage(kTestClose, "");
+  ExpectClose(*socket, 1000, "");
+  AwaitEmptyBudget();
+}
+
+TEST_F(LocalizeSocketTlsTest, AServerThatStopsSaysSo) {
+  const auto socket = OpenTls();
+  ExpectAStream(*socket);
+  gateway_->Stop(std::chrono::hours(1));
+  ExpectClose(*socket, 1001, "DRAINING");
+}
+
+TEST_F(LocalizeSocketTlsTest, AClientThatGoesCancelsItsFrames) {
+  dispatcher_.waits_for_stop = true;
+  auto socket = OpenTls();
+  socket->SendMessage(kTestBinary, Request(1, "hall"));
+  dispatcher_.AwaitCalls(1);
+  const std::stop_token stop = dispatcher_.calls()[0].stop;
+  socket.reset();
+  while (!stop.stop_requested()) std::this_thread::yield();
+  AwaitEmptyBudget();
+}
+
+TEST_F(LocalizeSocketTlsTest, HalfAMessageHoldsNothingForLong) {
+  options_.http.stream.body_rate_grace = std::chrono::milliseconds(20);
+  Start();
+  const auto socket = OpenTls();
+  socket->Send(TestFrameHead(kTestBinary, 1 << 20));
+  ExpectClose(*socket, 1008, "REQUEST_TIMEOUT");
   AwaitEmptyBudget();
 }
 
@@ -396,8 +478,18 @@ TEST_F(LocalizeSocketTest, AServerThatStopsWaitsForNoIdleStream) {
   socket->SendMessage(kTestBinary, Request(1, "hall"));
   Answer(*socket);
   gateway_->Stop(std::chrono::hours(1));
-  const uint8_t opcode = socket->ReadFrame().opcode;
-  EXPECT_TRUE(opcode == 0 || opcode == kTestClose);
+  ExpectClose(*socket, 1001, "DRAINING");
+}
+
+TEST_F(LocalizeSocketTest, AnIdleStreamMakesRoomAndIsToldSo) {
+  options_.http.max_connections = 1;
+  Start();
+  const auto socket = Open();
+  socket->SendMessage(kTestBinary, Request(1, "hall"));
+  Answer(*socket);
+  // The next one has no room until the first has nothing to do.
+  while (absl::StrContains(HeadOf(""), " 503 ")) std::this_thread::yield();
+  ExpectClose(*socket, 1001, "DRAINING");
 }
 
 }  // namespace

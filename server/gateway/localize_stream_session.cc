@@ -131,10 +131,7 @@ void LocalizeStreamSession::CheckWhetherItGoesOn() {
     EndWith(WebSocketClose::kGoingAway, TextOf(service::StreamIsDraining()));
   } else if (is_idle != is_idle_) {
     is_idle_ = is_idle;
-    if (!connection_.SetIdle(is_idle)) {
-      EndWith(WebSocketClose::kGoingAway,
-              "DRAINING: the server stops, or others need the connection");
-    }
+    if (!connection_.SetIdle(is_idle)) EndForOthers();
   } else if (is_idle && clock_.Now() >= last_event_ + options_.idle_timeout) {
     EndWith(WebSocketClose::kNormal, "IDLE: nothing came for a while");
   }
@@ -147,6 +144,12 @@ bool LocalizeStreamSession::WaitAndRead() {
   const http::HttpDuplex::Readiness ready =
       connection_.Wait(may_read, shared_->signal.fd(), clock_.Now() + kLook);
   if (ready.other) shared_->signal.Clear();
+  // The server itself wakes idle connections so; then the client is still there
+  // to be told why.
+  if (ready.has_gone && is_idle_ && !connection_.SetIdle(true)) {
+    EndForOthers();
+    return true;
+  }
   if (!may_read) return !ready.has_gone;
   if (!ready.can_read) return true;
   const ssize_t got = connection_.ReadSome(ahead_.data(), ahead_.size());
@@ -264,6 +267,11 @@ bool LocalizeStreamSession::MayRead() {
 bool LocalizeStreamSession::HasFrames() {
   const absl::MutexLock lock(&shared_->mutex);
   return !shared_->queue.empty();
+}
+
+void LocalizeStreamSession::EndForOthers() {
+  EndWith(WebSocketClose::kGoingAway,
+          "DRAINING: the server stops, or others need the connection");
 }
 
 void LocalizeStreamSession::EndWith(WebSocketClose code,

@@ -74,6 +74,7 @@ class LocalizeStreamSession {
   bool HasFrames();
   // Once for all: no more is read, and the stream ends when all is answered.
   void EndWith(http::WebSocketClose code, absl::string_view reason);
+  void EndForOthers();
 
   service::Dispatcher& dispatcher_;
   const base::Clock& clock_;

@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <exception>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
@@ -27,8 +29,6 @@ constexpr std::chrono::milliseconds kCoveragePause{1000};
 static_assert(std::endian::native == std::endian::little,
               "points are sent as they lie in memory");
 
-constexpr std::chrono::milliseconds kGiveWayPause{100};
-
 absl::Status Check(const v1::GetSceneMapRequest& request) {
   if (request.max_points() >= 0 && request.max_points() <= kMaxPoints) {
     return absl::OkStatus();
@@ -36,13 +36,6 @@ absl::Status Check(const v1::GetSceneMapRequest& request) {
   return wire::FieldError(
       "max_points",
       absl::StrCat(request.max_points(), " is not 0..", kMaxPoints));
-}
-
-absl::Status QueueIsFull(std::chrono::milliseconds retry_after) {
-  return base::WithRetryAfter(
-      base::WithReason(absl::UnavailableError("overloaded: the queue is full"),
-                       "QUEUE_FULL"),
-      retry_after);
 }
 
 void AddPoints(const keyframes::KeyframeMap& map, size_t most,
@@ -99,11 +92,16 @@ void SceneMaps::Start(Call call) {
     call.done(valid);
     return;
   }
+  if (!waiting_for_scene_.Enter()) {
+    call.done(QueueIsFull());
+    return;
+  }
   const auto shared = std::make_shared<Call>(std::move(call));
   repository_.AcquireAsync(
       shared->request.scene(), "",
       [this,
        shared](absl::StatusOr<std::shared_ptr<const repository::Scene>> scene) {
+        waiting_for_scene_.Leave();
         if (scene.ok()) {
           Enqueue(shared, *std::move(scene));
         } else {
@@ -125,14 +123,27 @@ void SceneMaps::Enqueue(const std::shared_ptr<Call>& call,
     } else if (call->stop.stop_requested()) {
       call->done(absl::CancelledError("the call was cancelled"));
     } else {
-      call->done(Make(call->request, *scene));
+      call->done(MakeOrFault(*call, *scene));
     }
   };
-  task.give_way = [call] { call->done(QueueIsFull(kGiveWayPause)); };
+  task.give_way = [call] { call->done(QueueIsFull()); };
   const WorkerPool::Admission admission = workers_.Submit(std::move(task));
   if (admission.verdict != WorkerPool::Verdict::kAccepted) {
     call->done(QueueIsFull(admission.retry_after));
   }
+}
+
+// What is thrown must not end the server: whole points may not fit in memory.
+absl::StatusOr<v1::GetSceneMapResponse> SceneMaps::MakeOrFault(
+    const Call& call, const repository::Scene& scene) {
+  try {
+    return Make(call.request, scene);
+  } catch (const std::exception& error) {
+    call.on_fault(error.what());
+  } catch (...) {
+    call.on_fault("an exception of unknown type");
+  }
+  return InternalFault();
 }
 
 absl::StatusOr<v1::GetSceneMapResponse> SceneMaps::Make(
@@ -186,20 +197,27 @@ absl::StatusOr<std::shared_ptr<const v1::SceneCoverage>> SceneMaps::CoverageOf(
   }
   keyframes::CoverageOptions options;
   options.threads = 1;
-  const absl::StatusOr<keyframes::CoverageMap> map = keyframes::PredictCoverage(
-      *scene.localizer->keyframes(), repository::QueryCalibration(scene).color,
-      options);
+  const absl::Cleanup forget = [&] { ForgetUnlessKept(scene); };
+  TL_ASSIGN_OR_RETURN(const keyframes::CoverageMap map,
+                      keyframes::PredictCoverage(
+                          *scene.localizer->keyframes(),
+                          repository::QueryCalibration(scene).color, options));
+  auto coverage = std::make_shared<const v1::SceneCoverage>(ToProto(map));
   const absl::MutexLock lock(&mutex_);
   const auto kept = kept_.find(scene.name);
-  const bool is_still_asked_for =
-      kept != kept_.end() && kept->second.localizer.lock() == scene.localizer;
-  if (!map.ok()) {
-    if (is_still_asked_for) kept_.erase(kept);
-    return map.status();
+  if (kept != kept_.end() && kept->second.localizer.lock() == scene.localizer) {
+    kept->second.coverage = coverage;
   }
-  auto coverage = std::make_shared<const v1::SceneCoverage>(ToProto(*map));
-  if (is_still_asked_for) kept->second.coverage = coverage;
   return coverage;
+}
+
+void SceneMaps::ForgetUnlessKept(const repository::Scene& scene) {
+  const absl::MutexLock lock(&mutex_);
+  const auto kept = kept_.find(scene.name);
+  if (kept != kept_.end() && kept->second.coverage == nullptr &&
+      kept->second.localizer.lock() == scene.localizer) {
+    kept_.erase(kept);
+  }
 }
 
 }  // namespace treeline::service

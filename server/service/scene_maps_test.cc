@@ -1,13 +1,20 @@
 #include "server/service/scene_maps.h"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "absl/synchronization/mutex.h"
 #include "absl/synchronization/notification.h"
 #include "common/base/error_info.h"
 #include "gmock/gmock.h"
@@ -19,6 +26,7 @@ namespace treeline::service {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr uint32_t kPointsOfKeyframe = 40;
 
@@ -97,7 +105,54 @@ class SceneMapsTest : public ::testing::Test {
   base::SteadyClock clock_;
   FakeScenes scenes_{{{"plain", nullptr}}};
   WorkerPool workers_{1, 4, clock_};
-  SceneMaps maps_{scenes_.repository(), workers_, clock_};
+  WaitingRoom waiting_{2};
+  SceneMaps maps_{scenes_.repository(), workers_, waiting_, clock_};
+};
+
+// A scene "hall", which is loaded when it is asked for.
+class HallRepository {
+ public:
+  using Opener = std::function<std::unique_ptr<localizer::Localizer>()>;
+
+  explicit HallRepository(const Opener& open)
+      : root_(testing::TempDir() + "/hall-" + std::to_string(getpid())) {
+    std::filesystem::create_directories(root_ + "/hall/1");
+    std::ofstream(root_ + "/hall/1/model.treeline") << "hall";
+    repository_ =
+        repository::SceneRepository::Open(
+            std::make_unique<repository::FolderSource>(root_),
+            [open](const std::string&)
+                -> absl::StatusOr<std::unique_ptr<localizer::Localizer>> {
+              return open();
+            },
+            {}, clock_)
+            .value();
+  }
+  ~HallRepository() { std::filesystem::remove_all(root_); }
+  repository::SceneRepository& operator*() const { return *repository_; }
+
+ private:
+  base::SteadyClock clock_;
+  const std::string root_;
+  std::unique_ptr<repository::SceneRepository> repository_;
+};
+
+class ThrowingLocalizer final : public localizer::Localizer {
+ public:
+  absl::StatusOr<localizer::PoseEstimate> Localize(
+      const image::Frame&, const localizer::LocalizeOptions&) const override {
+    return localizer::PoseEstimate();
+  }
+  const forest::ModelInfo& info() const override { return info_; }
+  localizer::DepthUse depth_use() const override {
+    return localizer::DepthUse::kIgnored;
+  }
+  const keyframes::KeyframeMap* keyframes() const override {
+    throw std::runtime_error("secret of the house");
+  }
+
+ private:
+  forest::ModelInfo info_;
 };
 
 TEST_F(SceneMapsTest, HasPointsAndKeyframes) {
@@ -172,6 +227,62 @@ TEST_F(SceneMapsTest, ChecksWhatIsAsked) {
   request.set_max_points(0);
   request.set_scene("none");
   EXPECT_TRUE(absl::IsNotFound(Start(request).status()));
+}
+
+// Each waits in memory for a scene whose loading may take minutes.
+TEST_F(SceneMapsTest, OnlySoManyWaitForAScene) {
+  absl::Notification load;
+  const HallRepository hall([&] {
+    load.WaitForNotification();
+    return std::make_unique<MapLocalizer>(3);
+  });
+  SceneMaps maps(*hall, workers_, waiting_, clock_);
+  v1::GetSceneMapRequest request;
+  request.set_scene("hall");
+  absl::Mutex mutex;
+  std::vector<absl::Status> answers;
+  const auto add = [&](const absl::StatusOr<v1::GetSceneMapResponse>& answer) {
+    const absl::MutexLock lock(&mutex);
+    answers.push_back(answer.status());
+  };
+  for (int i = 0; i < 3; ++i)
+    maps.Start(
+        {.request = request, .client = "tester", .stop = {}, .done = add});
+  {
+    const absl::MutexLock lock(&mutex);
+    ASSERT_EQ(answers.size(), 1u);
+    EXPECT_EQ(base::ErrorInfoOf(answers[0]).reason, "QUEUE_FULL");
+    EXPECT_TRUE(IsShed(answers[0]));
+  }
+  load.Notify();
+  const absl::MutexLock lock(&mutex);
+  mutex.Await(absl::Condition(
+      +[](std::vector<absl::Status>* all) { return all->size() == 3; },
+      &answers));
+  EXPECT_TRUE(answers[1].ok()) << answers[1];
+  EXPECT_TRUE(answers[2].ok()) << answers[2];
+  EXPECT_EQ(waiting_.waiting(), 0);
+}
+
+TEST_F(SceneMapsTest, WhatIsThrownIsForTheLogAlone) {
+  const HallRepository hall(
+      [] { return std::make_unique<ThrowingLocalizer>(); });
+  SceneMaps maps(*hall, workers_, waiting_, clock_);
+  SceneMaps::Call call;
+  call.request.set_scene("hall");
+  std::string fault;
+  call.on_fault = [&](const char* what) { fault = what; };
+  absl::Status answer;
+  absl::Notification done;
+  call.done = [&](const absl::StatusOr<v1::GetSceneMapResponse>& response) {
+    answer = response.status();
+    done.Notify();
+  };
+  maps.Start(std::move(call));
+  done.WaitForNotification();
+  EXPECT_TRUE(absl::IsInternal(answer));
+  EXPECT_THAT(std::string(answer.message()), Not(HasSubstr("secret")));
+  EXPECT_EQ(fault, "secret of the house");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "server/service/deadline_timer.h"
 #include "server/service/dispatcher.h"
 #include "server/service/localize_rpc.h"
+#include "server/service/overload.h"
 #include "server/service/recent_queries.h"
 #include "server/service/scene_maps.h"
 #include "server/service/scene_recognizer.h"
@@ -100,11 +101,11 @@ class ServiceDispatcher final : public Dispatcher {
   const LocalizeRpc localize_;
   const SceneRecognizer recognizer_;
   const RecentQueries* const recent_queries_;
+  // Calls whose scene is being loaded.
+  WaitingRoom waiting_for_scene_;
   SceneMaps scene_maps_;
   // Workers that wait for a scene.
   std::atomic<int> waiting_workers_{0};
-  // Calls whose scene is being loaded.
-  std::atomic<int> waiting_for_scene_{0};
   absl::Mutex mutex_;
   int calls_ ABSL_GUARDED_BY(mutex_) = 0;
   // Last, so that their threads end first.

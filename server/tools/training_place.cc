@@ -9,6 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/yaml/yaml_node.h"
+#include "server/repository/names.h"
 
 namespace treeline::tools {
 
@@ -28,10 +29,11 @@ absl::StatusOr<std::string> SceneOfMapBundle(const std::string& folder) {
 
 absl::StatusOr<std::string> NextModelPath(const std::string& repository,
                                           const std::string& scene) {
-  if (scene.empty() || scene.find('/') != std::string::npos) {
+  if (scene.empty()) {
     return absl::InvalidArgumentError(
         "which scene of the repository is it? Give --scene NAME");
   }
+  TL_RETURN_IF_ERROR(repository::CheckName("--scene", scene));
   const std::string folder = absl::StrCat(repository, "/", scene);
   int highest = 0;
   std::error_code error;

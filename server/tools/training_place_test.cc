@@ -30,6 +30,10 @@ TEST_F(TrainingPlaceTest, AModelBecomesTheNextVersion) {
             folder_ + "/attic/13/model.treeline");
   EXPECT_FALSE(NextModelPath(folder_, "").ok());
   EXPECT_FALSE(NextModelPath(folder_, "../attic").ok());
+  // Servers know no such scenes, and ".." is not even in the repository.
+  for (const char* name : {"..", ".attic", "the attic", "attic\n"}) {
+    EXPECT_FALSE(NextModelPath(folder_, name).ok()) << name;
+  }
 }
 
 TEST_F(TrainingPlaceTest, AMapBundleNamesItsScene) {

@@ -172,5 +172,27 @@ TEST_F(LearnProgram, AnUnwritableRepositoryIsSaidBeforeTheWork) {
   EXPECT_FALSE(fs::exists(folder_.Path("learnt")));
 }
 
+TEST_F(LearnProgram, ANameThatNoServerKnowsIsSaidBeforeTheWork) {
+  capture::WriteStray(capture::MakeTrueScene(20), folder_.Path("capture"));
+  for (const char* name : {"..", "a/b", "the hall"}) {
+    const ProgramResult result =
+        RunProgram({TREELINE_PROGRAM, "learn", folder_.Path("capture"),
+                    "--scene", name, "--repository", folder_.Path("models"),
+                    "--output", folder_.Path("learnt")});
+    EXPECT_EQ(result.exit_code, 1) << name;
+    EXPECT_THAT(result.err, HasSubstr("--scene"));
+    EXPECT_THAT(result.out, Not(HasSubstr("[1/7]")));
+    ExpectNothingIsLeft();
+  }
+  // Nor where a map has it.
+  folder_.Write("map/bundle.yaml", "name: ../../elsewhere\n");
+  const ProgramResult map = RunProgram(
+      {TREELINE_PROGRAM, "learn", folder_.Path("map"), "--repository",
+       folder_.Path("models"), "--output", folder_.Path("learnt")});
+  EXPECT_EQ(map.exit_code, 1);
+  EXPECT_THAT(map.err, HasSubstr("--scene"));
+  ExpectNothingIsLeft();
+}
+
 }  // namespace
 }  // namespace treeline

@@ -23,6 +23,7 @@
 #include "server/core/keyframes/keyframe_map.h"
 #include "server/core/training/rgbd_calibrator.h"
 #include "server/core/training/scene_trainer.h"
+#include "server/repository/names.h"
 #include "server/tools/app/learn_evaluation.h"
 #include "server/tools/app/learn_import.h"
 #include "server/tools/coverage_picture.h"
@@ -448,6 +449,7 @@ absl::Status LearnPlace(const LearnOptions& given,
     options.scene = source.scene.empty() ? learning::SceneNameOf(options.source)
                                          : source.scene;
   }
+  TL_RETURN_IF_ERROR(repository::CheckName("--scene", options.scene));
   if (options.output.empty()) options.output = options.scene + "-learnt";
   TL_RETURN_IF_ERROR(tools::CheckFolderCanBeMade(options.repository));
   TL_ASSIGN_OR_RETURN(OutputFolder output,

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -38,6 +39,29 @@ void WriteConfidence(const std::string& path, const image::DepthImage& depth,
   image::ColorImage map{depth.width, depth.height, {}};
   map.rgb.assign(depth.values.size() * 3, value);
   Write(path, *image::EncodePng(map));
+}
+
+// Writes the matrix of the track header (ISO 14496-12, 8.3.2): x' = a x + c y,
+// y' = b x + d y. Where it moves the picture to matters to nobody here.
+void AskForTurn(image::QuarterTurn turn, const std::string& path) {
+  constexpr size_t kMatrix = 44;  // from the box's type on, in version 0
+  constexpr std::array<std::array<int, 4>, 4> kTurns = {
+      {{1, 0, 0, 1}, {0, 1, -1, 0}, {-1, 0, 0, -1}, {0, -1, 1, 0}}};
+  const std::array<int, 4>& turned = kTurns[static_cast<size_t>(turn)];
+  std::string bytes = *base::ReadFile(path);
+  const size_t box = bytes.find("tkhd");
+  if (box == std::string::npos || bytes[box + 4] != 0) std::abort();
+  for (size_t i = 0; i < turned.size(); ++i) {
+    // a, b, u, c, d: 16.16 bits, big-endian.
+    const size_t at = box + kMatrix + 4 * (i < 2 ? i : i + 1);
+    const char whole = static_cast<char>(turned[i]);
+    const char sign = static_cast<char>(turned[i] < 0 ? -1 : 0);
+    bytes[at] = sign;
+    bytes[at + 1] = whole;
+    bytes[at + 2] = bytes[at + 3] = 0;
+  }
+  std::filesystem::remove(path);
+  Write(path, bytes);
 }
 
 std::string Jpeg(const image::Frame& frame) {
@@ -191,18 +215,28 @@ void WriteStray(const TrueScene& scene, const std::string& folder) {
 
 void WriteStrayVideo(const TrueScene& scene, const std::string& folder) {
   WriteStrayTables(scene, folder);
-  const camera::Camera& c = scene.calibration.color;
-  cv::VideoWriter video(folder + "/rgb.mp4", cv::CAP_FFMPEG,
-                        cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 60,
-                        cv::Size(c.width(), c.height()));
-  if (!video.isOpened()) std::abort();
+  std::vector<image::ColorImage> pictures;
   for (const image::Frame& frame : scene.frames) {
-    const cv::Mat rgb(frame.color.height, frame.color.width, CV_8UC3,
-                      const_cast<uint8_t*>(frame.color.rgb.data()));
+    pictures.push_back(frame.color);
+  }
+  WriteVideo(pictures, image::QuarterTurn::kNone, folder + "/rgb.mp4");
+}
+
+void WriteVideo(const std::vector<image::ColorImage>& pictures,
+                image::QuarterTurn shown_turn, const std::string& path) {
+  cv::VideoWriter video(path, cv::CAP_FFMPEG,
+                        cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 60,
+                        cv::Size(pictures[0].width, pictures[0].height));
+  if (!video.isOpened()) std::abort();
+  for (const image::ColorImage& picture : pictures) {
+    const cv::Mat rgb(picture.height, picture.width, CV_8UC3,
+                      const_cast<uint8_t*>(picture.rgb.data()));
     cv::Mat bgr;
     cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
     video.write(bgr);
   }
+  video.release();
+  if (shown_turn != image::QuarterTurn::kNone) AskForTurn(shown_turn, path);
 }
 
 void WritePolycam(const TrueScene& scene, const std::string& folder) {

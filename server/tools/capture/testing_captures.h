@@ -8,6 +8,8 @@
 
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/frame.h"
+#include "common/image/image.h"
+#include "common/image/orientation.h"
 
 namespace treeline::capture {
 
@@ -28,6 +30,9 @@ void WriteNerfstudio(const TrueScene& scene, const std::string& folder);
 // With a folder of pictures in place of a video, or with a video.
 void WriteStray(const TrueScene& scene, const std::string& folder);
 void WriteStrayVideo(const TrueScene& scene, const std::string& folder);
+// The pictures as an MP4 file that players show turned.
+void WriteVideo(const std::vector<image::ColorImage>& pictures,
+                image::QuarterTurn shown_turn, const std::string& path);
 void WritePolycam(const TrueScene& scene, const std::string& folder);
 void WriteScannerApp(const TrueScene& scene, const std::string& folder);
 // As an unpacked folder, with depth in raw blocks of LZFSE.

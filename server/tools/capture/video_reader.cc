@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -14,6 +15,16 @@
 
 namespace treeline::capture {
 namespace {
+
+// Other angles than quarters are none that a camera writes.
+image::QuarterTurn QuarterTurnOf(double clockwise_deg) {
+  for (const image::QuarterTurn turn : image::kQuarterTurns) {
+    if (std::fmod(clockwise_deg, 360) == 90 * static_cast<int>(turn)) {
+      return turn;
+    }
+  }
+  return image::QuarterTurn::kNone;
+}
 
 class OpenCvVideo final : public VideoReader {
  public:
@@ -28,6 +39,9 @@ class OpenCvVideo final : public VideoReader {
                static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
       frame_count_ = static_cast<int>(
           std::clamp(video_.get(cv::CAP_PROP_FRAME_COUNT), 0.0, 1e9));
+      // OpenCV 4.6 says it counterclockwise, and makes the wrong turn of it
+      // itself.
+      turn_ = QuarterTurnOf(360 - video_.get(cv::CAP_PROP_ORIENTATION_META));
     } catch (const cv::Exception& error) {
       return NoVideo(error.what());
     }
@@ -41,6 +55,7 @@ class OpenCvVideo final : public VideoReader {
   }
 
   image::ImageSize size() const override { return size_; }
+  image::QuarterTurn ShownTurn() const override { return turn_; }
   int FrameCount() const override { return frame_count_; }
 
   absl::StatusOr<image::ColorImage> Read(int frame) override {
@@ -93,6 +108,7 @@ class OpenCvVideo final : public VideoReader {
   const std::string path_;
   cv::VideoCapture video_;
   image::ImageSize size_;
+  image::QuarterTurn turn_ = image::QuarterTurn::kNone;
   int frame_count_ = 0;
   int next_ = 0;
 };

@@ -13,9 +13,11 @@
 #include "common/dataset/dataset.h"
 #include "common/dataset/trajectory_error.h"
 #include "common/image/decode.h"
+#include "common/image/quarter_turn.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"
+#include "server/tools/capture/testing_captures.h"
 #include "server/tools/photographs/structure_from_motion.h"
 
 namespace treeline::photographs {
@@ -57,11 +59,54 @@ class ImportPhotographsTest : public testing::Test {
     chmod(program.c_str(), 0755);
     return program;
   }
-  absl::StatusOr<ImportedPhotographs> Import(PhotographOptions options,
-                                             std::stop_token stop = {}) const {
+  absl::StatusOr<ImportedPhotographs> Import(
+      PhotographOptions options, std::stop_token stop = {},
+      const std::string& source = "photos") const {
     options.folder = folder_.Path("out");
     options.quiet = true;
-    return ImportPhotographs(folder_.Path("photos"), options, stop);
+    return ImportPhotographs(folder_.Path(source), options, stop);
+  }
+
+  // Level, before a wall of the room, turned a little.
+  static geometry::Rigid3 AlongTheWall(double along_m, double yaw_rad,
+                                       double height_m) {
+    const geometry::Rotation3 level{0.5, -0.5, 0.5, -0.5};
+    const geometry::Rotation3 turn{std::cos(yaw_rad / 2), 0, 0,
+                                   std::sin(yaw_rad / 2)};
+    return {turn * level, {-0.8, along_m, height_m}};
+  }
+  static image::ColorImage Picture(const geometry::Rigid3& world_from_camera,
+                                   int width, int height) {
+    camera::RgbdCalibration calibration;
+    calibration.color = calibration.depth =
+        camera::Camera::Parse(
+            absl::StrFormat("PINHOLE,400,400,%g,%g", (width - 1) / 2.0,
+                            (height - 1) / 2.0),
+            width, height)
+            .value();
+    return training::RenderBoxRoom(calibration, world_from_camera,
+                                   training::BoxRoomWalls::kTiled)
+        .color;
+  }
+  // Of stems whose `digits` digits from `first` on are the number in `truth`.
+  static void ExpectTruePoses(const dataset::Dataset& frames,
+                              const std::vector<geometry::Rigid3>& truth,
+                              size_t first, size_t digits) {
+    std::vector<dataset::PosePair> pairs;
+    for (int i = 0; i < frames.size(); ++i) {
+      const int picture = std::stoi(frames.frame(i).stem.substr(first, digits));
+      pairs.push_back({.time = i,
+                       .estimate = *frames.frame(i).world_from_camera,
+                       .reference = truth[static_cast<size_t>(picture)]});
+      // z is up.
+      const geometry::Vec3 up =
+          pairs.back().estimate.rotation * geometry::Vec3{0, -1, 0};
+      EXPECT_GT(up.z, 0.95);
+    }
+    const auto error = dataset::AbsoluteTrajectoryError(
+        pairs, dataset::TrajectoryAlignment::kRigid);
+    ASSERT_TRUE(error.has_value());
+    EXPECT_LT(error->position_m.rmse, 0.03);
   }
 
   const base::TestingFolder folder_;
@@ -134,23 +179,13 @@ TEST_F(ImportPhotographsTest, StoppingLeavesNothing) {
 TEST_F(ImportPhotographsTest, ColmapFindsTheTruePosesOfARoom) {
   if (!FindColmap("colmap").ok()) GTEST_SKIP() << "COLMAP is not installed";
   constexpr int kPictures = 14;
-  camera::RgbdCalibration calibration;
-  calibration.color = calibration.depth =
-      camera::Camera::Parse("PINHOLE,400,400,239.5,179.5", 480, 360).value();
   std::vector<geometry::Rigid3> truth;
   for (int i = 0; i < kPictures; ++i) {
-    // Sideways along a wall and back, a little turned, at two heights.
-    const double along = -1.2 + 2.4 * (i % 7) / 6.0;
-    const double yaw = 0.15 * std::sin(i);
-    const geometry::Rotation3 level{0.5, -0.5, 0.5, -0.5};
-    const geometry::Rotation3 turn{std::cos(yaw / 2), 0, 0, std::sin(yaw / 2)};
-    truth.push_back({turn * level, {-0.8, along, i < 7 ? -0.3 : 0.4}});
+    // Sideways along a wall and back, at two heights.
+    truth.push_back(AlongTheWall(-1.2 + 2.4 * (i % 7) / 6.0, 0.15 * std::sin(i),
+                                 i < 7 ? -0.3 : 0.4));
     folder_.Write(absl::StrFormat("photos/p%02d.jpg", i),
-                  *image::EncodeJpeg(
-                      training::RenderBoxRoom(calibration, truth.back(),
-                                              training::BoxRoomWalls::kTiled)
-                          .color,
-                      95));
+                  *image::EncodeJpeg(Picture(truth.back(), 480, 360), 95));
   }
   const double apart_m =
       geometry::Norm(truth[0].translation - truth[6].translation);
@@ -160,21 +195,37 @@ TEST_F(ImportPhotographsTest, ColmapFindsTheTruePosesOfARoom) {
   EXPECT_GE(imported->registered, 12);
   const auto dataset = dataset::Dataset::Open({.uri = imported->uri});
   ASSERT_TRUE(dataset.ok()) << dataset.status();
-  std::vector<dataset::PosePair> pairs;
-  for (int i = 0; i < dataset->size(); ++i) {
-    const int picture = std::stoi(dataset->frame(i).stem.substr(1, 2));
-    pairs.push_back({.time = i,
-                     .estimate = *dataset->frame(i).world_from_camera,
-                     .reference = truth[static_cast<size_t>(picture)]});
-    // z is up.
-    const geometry::Vec3 up =
-        pairs.back().estimate.rotation * geometry::Vec3{0, -1, 0};
-    EXPECT_GT(up.z, 0.95);
+  ExpectTruePoses(*dataset, truth, 1, 2);
+}
+
+// A walk, filmed with a phone that was held upright: what is stored lies on its
+// side.
+TEST_F(ImportPhotographsTest, ColmapFindsTheTruePosesOfAVideo) {
+  if (!FindColmap("colmap").ok()) GTEST_SKIP() << "COLMAP is not installed";
+  constexpr int kFrames = 24;
+  std::vector<geometry::Rigid3> truth;
+  std::vector<image::ColorImage> stored;
+  for (int i = 0; i < kFrames; ++i) {
+    truth.push_back(AlongTheWall(-1.2 + 2.4 * i / (kFrames - 1),
+                                 0.15 * std::sin(0.5 * i),
+                                 0.3 * std::sin(0.3 * i)));
+    stored.push_back(image::Turned(Picture(truth.back(), 360, 480),
+                                   image::QuarterTurn::kCounterclockwise));
   }
-  const auto error = dataset::AbsoluteTrajectoryError(
-      pairs, dataset::TrajectoryAlignment::kRigid);
-  ASSERT_TRUE(error.has_value());
-  EXPECT_LT(error->position_m.rmse, 0.03);
+  capture::WriteVideo(stored, image::QuarterTurn::kClockwise,
+                      folder_.Path("walk.mp4"));
+  const double apart_m =
+      geometry::Norm(truth[0].translation - truth[20].translation);
+  PhotographOptions options;
+  options.distance =
+      absl::StrFormat("frame-000000.jpg,frame-000020.jpg,%.9f", apart_m);
+  const auto imported = Import(options, {}, "walk.mp4");
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_GE(imported->registered, 20);
+  const auto dataset = dataset::Dataset::Open({.uri = imported->uri});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  EXPECT_EQ(dataset->Load(0)->color.height, 480);
+  ExpectTruePoses(*dataset, truth, 6, 6);
 }
 
 }  // namespace

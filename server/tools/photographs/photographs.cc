@@ -15,6 +15,7 @@
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "common/image/quarter_turn.h"
 #include "server/tools/capture/picture_files.h"
 #include "server/tools/capture/video_reader.h"
 
@@ -134,7 +135,7 @@ absl::Status CopyFrames(const std::string& source, int every, Copier& copier,
     }
     TL_RETURN_IF_ERROR(picture.status());
     TL_RETURN_IF_ERROR(copier.Add(absl::StrFormat("frame-%06d.jpg", frame),
-                                  *std::move(picture)));
+                                  image::Turned(*picture, video->ShownTurn())));
     done();
   }
 }

@@ -1,10 +1,13 @@
 #include "server/tools/photographs/photographs.h"
 
+#include <algorithm>
 #include <filesystem>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/testing_folder.h"
 #include "common/image/decode.h"
+#include "common/image/quarter_turn.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/tools/capture/testing_captures.h"
@@ -91,6 +94,40 @@ TEST_F(PhotographsTest, FramesOfAVideoAreTakenEvenly) {
   EXPECT_EQ(CountPictures(folder_.Path("stray/rgb.mp4"), {.every = 5}).value(),
             2);
   EXPECT_FALSE(Copy("stray/odometry.csv").ok() && done_ > 0);
+}
+
+// A phone that was held upright stores its pictures on their side.
+TEST_F(PhotographsTest, FramesOfAVideoAreTurnedAsPlayersShowThem) {
+  // White in the top left corner of what is stored.
+  image::ColorImage stored{64, 48, {}};
+  stored.rgb.assign(size_t{3} * 64 * 48, 20);
+  for (size_t y = 0; y < 16; ++y) {
+    std::fill_n(stored.rgb.begin() + static_cast<ptrdiff_t>(3 * 64 * y), 48,
+                uint8_t{230});
+  }
+  for (const image::QuarterTurn turn : image::kQuarterTurns) {
+    const std::string name =
+        absl::StrCat("turn-", static_cast<int>(turn), ".mp4");
+    capture::WriteVideo({stored}, turn, folder_.Path(name));
+    std::filesystem::remove(folder_.Path("out/frame-000000.jpg"));
+    ASSERT_TRUE(Copy(name).ok());
+    const image::ColorImage shown = *image::DecodeColor(
+        *base::ReadFile(folder_.Path("out/frame-000000.jpg")));
+    const bool is_on_side = turn == image::QuarterTurn::kClockwise ||
+                            turn == image::QuarterTurn::kCounterclockwise;
+    EXPECT_EQ(shown.width, is_on_side ? 48 : 64);
+    const camera::Pixel white =
+        image::Turned(camera::Pixel{6, 6}, 64, 48, turn);
+    const auto value = [&](double x, double y) {
+      return static_cast<int>(
+          shown.rgb[3 *
+                    (static_cast<size_t>(y) * static_cast<size_t>(shown.width) +
+                     static_cast<size_t>(x))]);
+    };
+    EXPECT_GT(value(white.x, white.y), 180) << name;
+    EXPECT_LT(value(shown.width - 1 - white.x, shown.height - 1 - white.y), 80)
+        << name;
+  }
 }
 
 TEST_F(PhotographsTest, StoppingStops) {
