@@ -33,6 +33,16 @@ copy_web() {
   cp -R "$1/." "$2/"
 }
 
+# share_web WORK FILE...: what pages have in common, from common/web.
+share_web() {
+  local work=$1 file
+  shift
+  mkdir -p "$work/src/common"
+  for file in "$@"; do
+    cp "$TREELINE_ROOT/common/web/$file" "$work/src/common/"
+  done
+}
+
 # fetch_packages WORK: again only when package-lock.json has changed.
 fetch_packages() {
   local errors=$1/npm-errors.txt

@@ -12,7 +12,7 @@ import { pinAt, type LocatedPicture, type PixelPoint } from './model/pin.js';
 import { Settings } from './model/settings.js';
 import { sayingOfAnswer, sayingOfCamera, sayingOfError, whySceneCannotAnswer,
   type Saying } from './model/words.js';
-import { el, setShown } from './panels/dom.js';
+import { el, setShown } from './common/dom.js';
 import { NoteDialog, NotesCard } from './panels/notes_card.js';
 import { SceneCard } from './panels/scene_card.js';
 import { StatusCard } from './panels/status_card.js';

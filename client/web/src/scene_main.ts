@@ -9,7 +9,7 @@ import { TreelineClient, TreelineError, type RecentQuery, type Scene } from
 
 import { Settings } from './model/settings.js';
 import { sayingOfError, type Saying } from './model/words.js';
-import { el } from './panels/dom.js';
+import { el } from './common/dom.js';
 import { isSame, LookCard, ModelCard, PickCard, QueriesCard } from
   './panels/scene_page_cards.js';
 import { SceneView } from './view/scene_view.js';

@@ -10,7 +10,7 @@ import { loadFields, loadLevelPicture, loadVoxels } from './map_loader.js';
 import { shownLevel } from './model/levels.js';
 import { meshOf } from './model/voxel_mesh.js';
 import { CameraPanel } from './panels/camera_panel.js';
-import { el } from './panels/dom.js';
+import { el } from './common/dom.js';
 import { HeadLine, LostBanner, Toasts } from './panels/frame.js';
 import { DevicesPanel, EventsPanel } from './panels/list_panels.js';
 import { MapBar, type Tool } from './panels/map_bar.js';

@@ -1,7 +1,7 @@
 // The notes of the scene, and the dialog in which one is written.
 
 import { MAX_NOTE_LENGTH, type Note } from '../model/notes.js';
-import { button, card, el, setShown, setText } from './dom.js';
+import { button, card, el, setShown, setText } from '../common/dom.js';
 
 export interface NotesCardEvents {
   /** At the cross. */

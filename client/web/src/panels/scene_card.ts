@@ -3,7 +3,7 @@
 import type { Scene } from '@treeline/client';
 
 import { whySceneCannotAnswer } from '../model/words.js';
-import { button, card, el, setText } from './dom.js';
+import { button, card, el, setText } from '../common/dom.js';
 
 export interface SceneCardEvents {
   readonly onScene: (name: string) => void;

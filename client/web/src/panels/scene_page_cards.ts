@@ -6,7 +6,7 @@ import { countQueries, describeMap, percentOf } from
   '../model/scene_picture.js';
 import { reasonInWords, type Saying } from '../model/words.js';
 import type { SceneLayer, Viewpoint } from '../view/scene_view.js';
-import { button, card, el, setData, setShown, setText } from './dom.js';
+import { button, card, el, setData, setShown, setText } from '../common/dom.js';
 
 /** Which scene, and with what token. */
 export class PickCard {

@@ -4,7 +4,7 @@ import type { Located } from '../camera/locator.js';
 import { accuracyOf } from '../model/accuracy.js';
 import { fieldOfViewDegOf } from '../model/camera_guess.js';
 import type { Saying } from '../model/words.js';
-import { card, el, setData, setText } from './dom.js';
+import { card, el, setData, setText } from '../common/dom.js';
 
 const FIGURES = [
   ['confidence', 'Confidence'],

@@ -4,7 +4,7 @@ import { MAX_FIELD_OF_VIEW_DEG, MIN_FIELD_OF_VIEW_DEG } from
   '../model/camera_guess.js';
 import { isUpAxis, UP_AXES, type UpAxis } from '../model/scene_up.js';
 import type { Layer } from '../view/stage.js';
-import { card, el, setText } from './dom.js';
+import { card, el, setText } from '../common/dom.js';
 
 export interface ViewCardEvents {
   readonly onLayer: (layer: Layer, isShown: boolean) => void;

@@ -12,7 +12,7 @@ import { LineSegmentsGeometry } from
 
 import { ballOf, coveragePixels, pinholeOf, pointColors, pyramid, type Ball }
   from '../model/scene_picture.js';
-import { el } from '../panels/dom.js';
+import { el } from '../common/dom.js';
 
 export type SceneLayer = 'points' | 'path' | 'coverage' | 'queries';
 export type Viewpoint = 'overview' | 'above' | 'side';

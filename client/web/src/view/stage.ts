@@ -2,7 +2,7 @@
 
 import type { SceneMap } from '@treeline/client';
 
-import { button, el, setShown } from '../panels/dom.js';
+import { button, el, setShown } from '../common/dom.js';
 import type { Note } from '../model/notes.js';
 import { project, type LocatedPicture, type PixelPoint } from '../model/pin.js';
 import type { Bounds, UpAxis } from '../model/scene_up.js';

@@ -3,7 +3,7 @@
 import { ApiError, type AgentClient } from '../api/client.js';
 import type { RobotState } from '../api/types.js';
 import { percent, sayFix } from '../model/words.js';
-import { card, el, Meter, setData, setShown, setText } from './dom.js';
+import { card, el, Meter, setData, setShown, setText } from '../common/dom.js';
 
 type Picture = 'camera' | 'query';
 // Between the end of one fetch and the next.

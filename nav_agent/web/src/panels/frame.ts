@@ -2,7 +2,7 @@
 
 import type { AgentInfo } from '../api/types.js';
 import type { Link } from '../api/stream.js';
-import { el, setData, setShown, setText } from './dom.js';
+import { el, setData, setShown, setText } from '../common/dom.js';
 
 export class HeadLine {
   readonly element: HTMLElement;

@@ -2,7 +2,7 @@
 
 import type { RobotEvent, RobotState } from '../api/types.js';
 import { clockOf, plain } from '../model/words.js';
-import { card, el, setData, setText } from './dom.js';
+import { card, el, setData, setText } from '../common/dom.js';
 
 const TONES: Record<string, string> = {
   running: 'calm', starting: 'busy', lost: 'bad',

@@ -2,7 +2,7 @@
 
 import { LAYERS, type Angle, type LayerName } from '../view/map_view.js';
 import { DEFAULT_CUT_M, NO_CUT_M } from '../model/levels.js';
-import { button, el, setShown, setText } from './dom.js';
+import { button, el, setShown, setText } from '../common/dom.js';
 import { MapHelp } from './map_help.js';
 
 export type Tool = 'look' | 'goal' | 'pose' | 'kidnap' | 'obstacle';

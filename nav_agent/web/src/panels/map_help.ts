@@ -3,7 +3,7 @@
 import { heightColour, heightShare } from '../model/colours.js';
 import { scaleBar } from '../model/scale.js';
 import { signed } from '../model/words.js';
-import { el, setShown, setText } from './dom.js';
+import { el, setShown, setText } from '../common/dom.js';
 
 const MOST_SCALE_PX = 110;
 

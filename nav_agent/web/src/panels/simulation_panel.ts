@@ -2,7 +2,7 @@
 
 import type { RobotScene } from '../api/types.js';
 import { plain } from '../model/words.js';
-import { button, card, el, setShown } from './dom.js';
+import { button, card, el, setShown } from '../common/dom.js';
 
 export interface SimulationCommands {
   kidnapAnywhere(): void;

@@ -5,7 +5,7 @@ import {
   degrees, isPaused, isUnderWay, knowsPlace, metres, sayDoubt, sayGoal,
   sayState, signed,
 } from '../model/words.js';
-import { button, card, el, Meter, setData, setShown, setText } from './dom.js';
+import { button, card, el, Meter, setData, setShown, setText } from '../common/dom.js';
 
 export interface RobotCommands {
   pause(): void;

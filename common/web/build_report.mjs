@@ -1,14 +1,15 @@
 // Bundles everything into one file that opens from disk without a network:
-//   node build.mjs FOLDER
-// writes FOLDER/report.html. A report is that file with JSON in the place of
-// "@REPORT_DATA@" (report_page.h).
+//   node src/common/build_report.mjs FOLDER/NAME.html
+// in a folder with template.html and src/main.ts. A report is that file with JSON
+// in the place of "@REPORT_DATA@" (common/page/page_template.h).
 
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
 import path from 'node:path';
 import { build } from 'esbuild';
 
-const folder = process.argv[2] ?? 'dist';
+const file = process.argv[2] ?? 'dist/report.html';
+const folder = path.dirname(file);
 const result = await build({
   entryPoints: ['src/main.ts'],
   bundle: true,
@@ -41,4 +42,4 @@ if (page.split('"@REPORT_DATA@"').length !== 2) {
   throw new Error('the template must have one place for the data');
 }
 fs.mkdirSync(folder, { recursive: true });
-fs.writeFileSync(path.join(folder, 'report.html'), page);
+fs.writeFileSync(file, page);

@@ -1,4 +1,5 @@
-// Elements without markup: what the agent says only ever becomes text.
+// Elements without markup: what a server says only ever becomes text. Of all
+// pages that a program serves; scripts/lib/web.sh copies it to src/common.
 
 type Child = Node | string;
 type Listeners = { [K in keyof HTMLElementEventMap]?:
