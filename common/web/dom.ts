@@ -1,7 +1,7 @@
-// Elements without markup: what a server says only ever becomes text. Of all
-// pages that a program serves; scripts/lib/web.sh copies it to src/common.
+// Elements without markup: what a server or a report says only ever becomes
+// text. Of all our pages; scripts/lib/web.sh copies it to src/common.
 
-type Child = Node | string;
+export type Child = Node | string | null;
 type Listeners = { [K in keyof HTMLElementEventMap]?:
     (event: HTMLElementEventMap[K]) => void };
 
@@ -13,9 +13,12 @@ export interface Properties {
   on?: Listeners;
 }
 
+// `given` may be a class alone.
 export function el<K extends keyof HTMLElementTagNameMap>(
-    tag: K, properties: Properties = {}, ...children: Child[]):
+    tag: K, given: Properties | string = {}, ...children: Child[]):
     HTMLElementTagNameMap[K] {
+  const properties: Properties =
+    typeof given === 'string' ? { class: given } : given;
   const element = document.createElement(tag);
   if (properties.class !== undefined) element.className = properties.class;
   if (properties.id !== undefined) element.id = properties.id;
@@ -25,7 +28,17 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   for (const [name, work] of Object.entries(properties.on ?? {})) {
     element.addEventListener(name, work as EventListener);
   }
-  element.append(...children);
+  element.append(...children.filter((child) => child !== null));
+  return element;
+}
+
+export function svg(tag: string, attributes: Record<string, string>):
+    SVGElement {
+  const element =
+    document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [key, value] of Object.entries(attributes)) {
+    element.setAttribute(key, value);
+  }
   return element;
 }
 

@@ -33,13 +33,14 @@ copy_web() {
   cp -R "$1/." "$2/"
 }
 
-# share_web WORK FILE...: what pages have in common, from common/web.
+# share_web WORK NAME...: what pages have in common, files and folders of
+# common/web.
 share_web() {
-  local work=$1 file
+  local work=$1 name
   shift
   mkdir -p "$work/src/common"
-  for file in "$@"; do
-    cp "$TREELINE_ROOT/common/web/$file" "$work/src/common/"
+  for name in "$@"; do
+    cp -R "$TREELINE_ROOT/common/web/$name" "$work/src/common/"
   done
 }
 

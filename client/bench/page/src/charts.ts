@@ -1,7 +1,7 @@
 // The charts of a load test, drawn by Observable Plot.
 
 import * as Plot from '@observablehq/plot';
-import { drawing } from './dom.js';
+import { drawing } from './common/report/drawing.js';
 import type { BenchData, CoursePoint, Run } from './model/bench_data.js';
 import { courseDots, loadName, loadPoints, offerPoints, PERCENTILES, round,
   stageParts, STAGES, startOf, type CourseDot, type LoadPoint } from

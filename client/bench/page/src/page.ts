@@ -2,7 +2,9 @@
 
 import { courseChart, loadChart, offerChart, OFFER_COLORS, PERCENTILE_COLORS,
   serverChart, stageChart, STAGE_COLORS } from './charts.js';
-import { el, type Child } from './dom.js';
+import { el, type Child } from './common/dom.js';
+import { card, colorLegend, number, pair, rowsTable, section, table, tile }
+  from './common/report/parts.js';
 import type { BenchData, Run } from './model/bench_data.js';
 import { heaviestKept, highestThroughput, loadName, PERCENTILES, round,
   stageParts, STAGES } from './model/curves.js';
@@ -14,35 +16,13 @@ const TARGETS: Record<string, string> = {
   geopose: 'the GeoPose Protocol',
 };
 
-function tile(value: string, unit: string, about: string): HTMLElement {
-  return el('div', 'tile', el('b', {}, value, el('small', {}, unit)),
-      el('span', {}, about));
-}
-
-function legend(entries: [string, string][]): HTMLElement {
-  return el('ul', 'legend', ...entries.map(([name, color]) =>
-    el('li', {}, el('i', { style: `background: ${color}` }), name)));
-}
-
-function section(title: string, about: string, ...children: Child[]):
+// `numbers` are the columns of figures.
+function columns(heads: string[], rows: Child[][], numbers: number[]):
     HTMLElement {
-  return el('section', {}, el('h2', {}, title), el('p', 'about', about),
-      ...children);
-}
-
-function card(...children: Child[]): HTMLElement {
-  return el('div', 'card', ...children);
-}
-
-function table(heads: string[], rows: Child[][], numbers: number[]):
-    HTMLElement {
-  const cell = (tag: 'th' | 'td', child: Child, i: number): HTMLElement =>
-    el(tag, numbers.includes(i) ? 'n' : {}, child);
-  return el('div', 'scroll', el('table', {},
-      el('thead', {}, el('tr', {}, ...heads.map((head, i) =>
-        cell('th', head, i)))),
-      el('tbody', {}, ...rows.map((row) =>
-        el('tr', {}, ...row.map((child, i) => cell('td', child, i)))))));
+  return table(
+      heads.map((head, i) => (numbers.includes(i) ? number(head) : head)),
+      rows.map((row) => ({ cells: row.map((child, i) =>
+        (numbers.includes(i) ? number(child) : { content: child })) })));
 }
 
 function sum(data: BenchData, of: (run: Run) => number): number {
@@ -66,10 +46,10 @@ function head(data: BenchData): Child[] {
         `${data.runs.length} runs`}.`),
     el('div', 'tiles',
         tile(round(best?.goodput_per_s ?? 0), '/s', 'most answers per second'),
-        best?.latency_ms ? tile(round(best.latency_ms.p99), ' ms',
+        best?.latency_ms ? tile(round(best.latency_ms.p99), 'ms',
             `p99 at that load (${loadName(best)})`) : null,
         kept !== null ? tile(kept, '', 'heaviest load within --fail-if') : null,
-        tile(calls === 0 ? '0' : round(100 * unanswered / calls), ' %',
+        tile(calls === 0 ? '0' : round(100 * unanswered / calls), '%',
             'calls without an answer'),
         tile(`${wrong}`, '', 'wrong poses'),
         tile(`${different}`, '', 'answers other than before')),
@@ -94,7 +74,7 @@ function load(data: BenchData): Child {
       'Each dot is a run, in the order of the load: at saturation the curves ' +
       'turn up, and may turn back. Latency counts from the moment when a call ' +
       `was to be sent.${hollow}`,
-      card(legend(PERCENTILES.map((name, i) =>
+      card(null, colorLegend(PERCENTILES.map((name, i) =>
         [name, PERCENTILE_COLORS[i] ?? ''])), loadChart(data)));
 }
 
@@ -103,23 +83,23 @@ function offer(data: BenchData): Child {
   if (open.length < 2) return null;
   return section('What was offered, and what became of it',
       'On the dashed line everything is answered.',
-      card(legend(OFFER_COLORS), offerChart(open)));
+      card(null, colorLegend(OFFER_COLORS), offerChart(open)));
 }
 
 function stages(data: BenchData): Child {
   if (stageParts(data.runs).length === 0) return null;
   return section('Where the time goes', 'Of calls that were answered, on the ' +
     'average, as the server states it; what is left is the way to it and back.',
-  card(legend(STAGES.map((name, i) => [name, STAGE_COLORS[i] ?? ''])),
+  card(null, colorLegend(STAGES.map((name, i) => [name, STAGE_COLORS[i] ?? ''])),
       stageChart(data.runs)));
 }
 
 function course(data: BenchData): Child {
   return section('Course', 'Over the time of the test; each run begins at a ' +
     'dashed line.',
-  el('div', 'pair', card(el('h3', {}, 'Answers per second'),
+  pair(card('Answers per second',
       courseChart(data, 'answers_per_s', 'answers/s')),
-  card(el('h3', {}, 'p99 of each interval, ms'),
+  card('p99 of each interval, ms',
       courseChart(data, 'p99_ms', 'ms'))));
 }
 
@@ -133,14 +113,14 @@ function server(data: BenchData): Child {
     `these figures too.${missed}`;
   if (metrics.points.length === 0) return section('The server', about);
   return section('The server', about, el('div', 'pair',
-      card(el('h3', {}, 'Queries that wait'),
+      card('Queries that wait',
           serverChart(data, 'queue_depth', 'waiting', 1,
               metrics.queue_capacity)),
-      card(el('h3', {}, 'Queries that are computed'),
+      card('Queries that are computed',
           serverChart(data, 'in_flight', 'at work', 1, metrics.workers)),
-      card(el('h3', {}, 'Processors'),
+      card('Processors',
           serverChart(data, 'processors', 'processors', 1, null)),
-      card(el('h3', {}, 'Memory, MB'),
+      card('Memory, MB',
           serverChart(data, 'resident_bytes', 'MB', 1e-6, null))));
 }
 
@@ -160,7 +140,7 @@ function runs(data: BenchData): Child {
         (lag === undefined ? '' : `, late ${round(lag)} ms`) +
         (run.interrupted ? ', interrupted' : '')];
   });
-  return section('Run by run', 'Latencies in ms.', table(
+  return section('Run by run', 'Latencies in ms.', columns(
       ['load', 'answers/s', 'p50', 'p90', 'p99', 'max', 'turned away',
         'too late', 'failed', 'within tolerance', 'wrong', 'generator'],
       rows, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]));
@@ -173,7 +153,7 @@ function errors(data: BenchData): Child {
         outcome.code, outcome.reason ?? outcome.example ?? '']));
   if (rows.length === 0) return null;
   return section('Errors', 'Calls without an answer, by what the server said.',
-      table(['load', 'calls', 'code', 'reason'], rows, [1]));
+      columns(['load', 'calls', 'code', 'reason'], rows, [1]));
 }
 
 function origin(data: BenchData): Child {
@@ -181,18 +161,18 @@ function origin(data: BenchData): Child {
   const loads = (values: number[]): string => values.map((value) =>
     value.toFixed(1)).join(', ');
   return section('Where this comes from', 'The machine is the generator\'s.',
-      table(['', ''], [
+      rowsTable([
         ['generator', `treeline-client ${machine.client_version}, gRPC ` +
           `${machine.grpc_version}`],
         ['machine', `${machine.cpu}, ${machine.cores} cores, ` +
           `${machine.system}`],
         ['load average', `${loads(machine.load_average_before)} before, ` +
           `${loads(machine.load_average_after)} after`],
-        ...data.workload.map((part): Child[] => [`scene ${part.scene}`,
+        ...data.workload.map((part): [string, string] => [`scene ${part.scene}`,
           `${part.queries} queries as ${part.encoding}, ` +
           `${round(part.mean_bytes / 1000)} kB each, ${part.with_truth} with ` +
           'their true pose']),
-      ], []));
+      ]));
 }
 
 export function benchPage(data: BenchData): Child[] {

@@ -9,9 +9,9 @@ import { evaluated, isEvaluated, type EvaluationReport, type Frame, type Maybe,
   type PublishedResult, type Sweep, type SweepPoint }
   from '../model/report_data.js';
 import { cumulativeCurves, lineChart } from '../view/charts.js';
-import { el } from '../view/dom.js';
+import { el } from '../common/dom.js';
 import { card, head, number, pair, section, seriesLegend, swatch, table,
-  type Row } from '../view/parts.js';
+  type Row } from '../common/report/parts.js';
 
 function columnsTable(report: EvaluationReport, columns: Column[]):
     HTMLElement {

@@ -4,8 +4,8 @@ import { bytes, datasetName } from '../model/format.js';
 import { isEvaluated, type EvaluationReport, type Method }
   from '../model/report_data.js';
 import { comparisonVerdict, methodVerdict } from '../model/verdict.js';
-import { el, type Child } from '../view/dom.js';
-import { card, rowsTable, section } from '../view/parts.js';
+import { el, type Child } from '../common/dom.js';
+import { card, rowsTable, section } from '../common/report/parts.js';
 import { comparison, published, sweeps } from './comparison.js';
 import { methodSections, methodTiles, modelCards } from './method.js';
 import { cameras, distances } from './groups.js';

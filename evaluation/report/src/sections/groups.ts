@@ -5,7 +5,7 @@ import { evaluated, type AnswerCounts, type EvaluationReport, type Method,
   type TrainingDistanceBin, type TrainingDistanceBins }
   from '../model/report_data.js';
 import { card, head, number, section, table, type Cell, type Row }
-  from '../view/parts.js';
+  from '../common/report/parts.js';
 
 const TITLES = ['right', 'answered', 'coverage', 'precision',
   'calibration error'];

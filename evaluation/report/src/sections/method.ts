@@ -8,9 +8,9 @@ import type { EvaluationReport, Frame, Maybe, Method, Picture, Stages }
   from '../model/report_data.js';
 import { cumulativeChart, errorChart, histogramChart, type Mark }
   from '../view/charts.js';
-import { el, svg } from '../view/dom.js';
+import { el, svg } from '../common/dom.js';
 import { card, legend, number, pair, rowsTable, section, table, tile, type Row }
-  from '../view/parts.js';
+  from '../common/report/parts.js';
 import { trajectoryChart, turntable } from '../view/space_charts.js';
 
 const HARDEST = 10;

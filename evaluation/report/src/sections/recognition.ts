@@ -3,9 +3,9 @@
 import { answersOf, sumOf, type Tally } from '../model/confusion.js';
 import { counted, fixed } from '../model/format.js';
 import type { RecognitionReport } from '../model/report_data.js';
-import { el, type Child } from '../view/dom.js';
+import { el, type Child } from '../common/dom.js';
 import { card, head, number, section, table, type Cell, type Row }
-  from '../view/parts.js';
+  from '../common/report/parts.js';
 import { title } from './evaluation.js';
 
 function nameOf(tally: Tally): string {

@@ -3,9 +3,9 @@
 import { DASH, fixed, percent } from '../model/format.js';
 import { evaluated, type EvaluationReport, type Method, type Perturbed }
   from '../model/report_data.js';
-import { el } from '../view/dom.js';
+import { el } from '../common/dom.js';
 import { card, head, number, section, table, type Cell, type Row }
-  from '../view/parts.js';
+  from '../common/report/parts.js';
 
 const COLUMNS = 4;
 

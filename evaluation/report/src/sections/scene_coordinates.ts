@@ -4,8 +4,8 @@ import { evaluated, isEvaluated, type EvaluationReport, type HeatMap,
   type Method } from '../model/report_data.js';
 import { cm, fixed } from '../model/format.js';
 import { cumulativeCurves, splitRatioMap } from '../view/charts.js';
-import { el } from '../view/dom.js';
-import { card, pair, section, seriesLegend } from '../view/parts.js';
+import { el } from '../common/dom.js';
+import { card, pair, section, seriesLegend } from '../common/report/parts.js';
 
 const CURVE_END_CM = 40;
 

@@ -5,9 +5,9 @@ import { answersFrom } from '../model/frames.js';
 import { evaluated, type EvaluationReport, type ForeignTally, type Method }
   from '../model/report_data.js';
 import { reliabilityChart } from '../view/charts.js';
-import { el } from '../view/dom.js';
+import { el } from '../common/dom.js';
 import { card, head, number, pair, section, table, type Cell, type Row }
-  from '../view/parts.js';
+  from '../common/report/parts.js';
 
 function confidenceCard(method: Method): HTMLElement {
   const { confidence } = method;

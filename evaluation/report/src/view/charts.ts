@@ -6,8 +6,8 @@ import { cumulative, errorDomain, histogram, logTicks, shareBelow, valueRange,
 import { fixed, percent } from '../model/format.js';
 import { frameTitle, isNear } from '../model/frames.js';
 import type { Confidence, LevelSplits } from '../model/report_data.js';
-import { drawing } from './drawing.js';
-import { seriesColor, seriesDash } from './parts.js';
+import { drawing } from '../common/report/drawing.js';
+import { seriesColor, seriesDash } from '../common/report/parts.js';
 
 export interface Mark {
   at: number;

@@ -9,8 +9,8 @@ import { add, boxOf, contains, dot, frustum, fromAbove, fromTheSide, length,
   positionOf, scale, subtract, thinned, truePaths, turned, withTruth,
   type Box, type Flat, type Projection, type Segment, type TrueFrame }
   from '../model/space.js';
-import { el } from './dom.js';
-import { drawing, drawingWithRedraw } from './drawing.js';
+import { el } from '../common/dom.js';
+import { drawing, drawingWithRedraw } from '../common/report/drawing.js';
 
 const FRUSTA = 14;
 const TURNTABLE_FRUSTA = 24;

@@ -1,6 +1,6 @@
 // The pieces that sections are made of.
 
-import { el, type Child } from './dom.js';
+import { el, type Child } from '../dom.js';
 
 // A section with a heading and what it is about.
 export function section(title: string, about: Child, ...content: Child[]):
@@ -19,11 +19,11 @@ export function pair(...cards: HTMLElement[]): HTMLElement {
   return el('div', 'pair', ...cards);
 }
 
-// A headline figure with its caption.
+// A headline figure with its caption. "48/s", but "3.2 ms".
 export function tile(value: string, unit: string, caption: string):
     HTMLElement {
   return el('div', 'tile',
-      el('b', {}, value, unit === '' ? null : ' ',
+      el('b', {}, value, unit === '' || unit.startsWith('/') ? null : ' ',
           unit === '' ? null : el('small', {}, unit)),
       el('span', {}, caption));
 }
@@ -88,13 +88,22 @@ export function seriesDash(i: number): string {
   return i < SERIES_COLORS ? 'none' : '6 4';
 }
 
-export function swatch(i: number): HTMLElement {
+function colorSwatch(color: string): HTMLElement {
   const element = el('i', 'swatch');
-  element.style.background = seriesColor(i);
+  element.style.background = color;
   return element;
 }
 
+export function swatch(i: number): HTMLElement {
+  return colorSwatch(seriesColor(i));
+}
+
+// Names and colours.
+export function colorLegend(entries: [string, string][]): HTMLElement {
+  return el('ul', 'legend', ...entries.map(([name, color]) =>
+    el('li', {}, colorSwatch(color), name)));
+}
+
 export function seriesLegend(names: string[]): HTMLElement {
-  return el('ul', 'legend', ...names.map((name, i) =>
-    el('li', {}, swatch(i), name)));
+  return colorLegend(names.map((name, i) => [name, seriesColor(i)]));
 }

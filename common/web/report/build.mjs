@@ -1,14 +1,15 @@
 // Bundles everything into one file that opens from disk without a network:
-//   node src/common/build_report.mjs FOLDER/NAME.html
-// in a folder with template.html and src/main.ts. A report is that file with JSON
-// in the place of "@REPORT_DATA@" (common/page/page_template.h).
+//   node src/common/report/build.mjs FOLDER/NAME.html TITLE
+// in a folder with src/main.ts. A report is that file with JSON in the place of
+// "@REPORT_DATA@" (common/page/page_template.h).
 
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
 import path from 'node:path';
+import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild';
 
-const file = process.argv[2] ?? 'dist/report.html';
+const [, , file, title] = process.argv;
 const folder = path.dirname(file);
 const result = await build({
   entryPoints: ['src/main.ts'],
@@ -35,9 +36,10 @@ if (/<\/script|<!--/i.test(script) || /<\/style/i.test(style)) {
 const hash = createHash('sha256').update(script).digest('base64');
 const policy = `default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
 script-src 'sha256-${hash}'; base-uri 'none'; form-action 'none'`;
-const parts = { POLICY: policy, STYLE: style, SCRIPT: script };
-const page = fs.readFileSync('template.html', 'utf8')
-    .replace(/@(POLICY|STYLE|SCRIPT)@/g, (_, name) => parts[name]);
+const parts = { TITLE: title, POLICY: policy, STYLE: style, SCRIPT: script };
+const template = fileURLToPath(new URL('template.html', import.meta.url));
+const page = fs.readFileSync(template, 'utf8')
+    .replace(/@(TITLE|POLICY|STYLE|SCRIPT)@/g, (_, name) => parts[name]);
 if (page.split('"@REPORT_DATA@"').length !== 2) {
   throw new Error('the template must have one place for the data');
 }
