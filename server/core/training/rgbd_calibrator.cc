@@ -345,7 +345,8 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
       by_surfaces = Choose({kRotationX, kRotationY, kRotationZ, kTranslationX,
                             kTranslationY, kTranslationZ, kScale, kDepthFocal,
                             kDepthCx, kDepthCy, kDepthRadial});
-      by_edges = Choose({kColorFocal, kColorCx, kColorCy});
+      // The colour camera is the one that the poses were found with.
+      by_edges = Choose({kRotationX, kRotationY, kRotationZ});
     } else {
       // Surfaces say nothing about the colour camera here.
       by_edges = Choose(

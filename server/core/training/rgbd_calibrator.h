@@ -40,8 +40,10 @@ struct CalibrationReport {
 // problem: the depth camera's motion is color_from_depth^-1 * motion *
 // color_from_depth). Edges: depth jumps where one thing occludes another, and
 // there colour usually changes too; this fixes how depth falls on the colour
-// image. Depth that is already registered gets its scale alone. What few frames
-// leave open stays near the nominal calibration.
+// image: by the rotation between the cameras, or where the poses are the depth
+// camera's by the colour camera, too. A colour camera that the poses are of
+// stays as they were found with it. Depth that is already registered gets its
+// scale alone. What few frames leave open stays near the nominal calibration.
 //
 // FAILED_PRECONDITION: fewer than two frames with depth and pose, or no two
 // that see the same surfaces. CANCELLED after `stop`.

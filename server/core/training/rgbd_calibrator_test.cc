@@ -125,6 +125,7 @@ TEST_F(RgbdCalibratorTest, ErrorsOfPosesDoNotMoveTheCameras) {
   const geometry::Vec3 t = report->calibration.color_from_depth.translation;
   EXPECT_LT(std::abs(t.y), 0.02);
   EXPECT_LT(std::abs(t.z), 0.02);
+  EXPECT_EQ(report->calibration.color, dataset->calibration().color);
 }
 
 TEST_F(RgbdCalibratorTest, DoesNotDependOnTheNumberOfThreads) {
