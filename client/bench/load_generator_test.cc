@@ -34,12 +34,12 @@ class FakeService final : public v1::RelocalizationService::CallbackService {
       bool answered = false;
     };
     auto* reactor = new Reactor;
-    ++calls;
+    const int call = ++calls;
     if (!answers) return reactor;
     reactor->answered = true;
     response->set_scene(request->scene());
     response->set_outcome(v1::OUTCOME_NOT_LOCALIZED);
-    if (refuse_every > 0 && calls % refuse_every == 0) {
+    if (refuse_every > 0 && call % refuse_every == 0) {
       context->AddTrailingMetadata("grpc-retry-pushback-ms", "10");
       reactor->Finish({grpc::UNAVAILABLE, "full"});
     } else {

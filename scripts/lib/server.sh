@@ -15,6 +15,8 @@ stop_server() {
 # start_server PROGRAM MODELS LOG: sets server_pid and server_address.
 start_server() {
   local program=$1 models=$2 log=$3 waited=0
+  # Else an earlier run's address might be read before the server empties it.
+  : >"$log"
   "$program" --models "$models" --load-all --listen 127.0.0.1:0 \
     --admin-listen "" --http-listen "" >"$log" 2>&1 &
   server_pid=$!

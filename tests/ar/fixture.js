@@ -13,7 +13,7 @@ const { TREELINE_PAGE, TREELINE_PAGE_WORK, TREELINE_SCENE, TREELINE_SERVER } =
   process.env;
 export const RECORDING = path.join(TREELINE_SCENE, 'recording');
 
-// Of recordings in the layout of TUM.
+// Of recordings in the layout of TUM, and nearly that of Kinects.
 export const WIDTH_PX = 640;
 export const HEIGHT_PX = 480;
 export const FOCAL_PX = 525;
@@ -53,6 +53,24 @@ export function trueShareOf(time, [x, y, z]) {
     x: (FOCAL_PX * inCamera[0] / inCamera[2] + WIDTH_PX / 2) / WIDTH_PX,
     y: (FOCAL_PX * inCamera[1] / inCamera[2] + HEIGHT_PX / 2) / HEIGHT_PX,
   };
+}
+
+// The point of the world that the picture of that time shows at a share of its
+// size, so far ahead of the camera.
+export function truePointAt(time, share, depthM) {
+  const [tx, ty, tz, qx, qy, qz, qw] = truths.get(time);
+  const ray = [(share.x - 0.5) * WIDTH_PX / FOCAL_PX * depthM,
+    (share.y - 0.5) * HEIGHT_PX / FOCAL_PX * depthM, depthM];
+  const rows = [
+    [1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy - qw * qz),
+      2 * (qx * qz + qw * qy)],
+    [2 * (qx * qy + qw * qz), 1 - 2 * (qx * qx + qz * qz),
+      2 * (qy * qz - qw * qx)],
+    [2 * (qx * qz - qw * qy), 2 * (qy * qz + qw * qx),
+      1 - 2 * (qx * qx + qy * qy)],
+  ];
+  return rows.map((row, i) => [tx, ty, tz][i] +
+    row[0] * ray[0] + row[1] * ray[1] + row[2] * ray[2]);
 }
 
 // Starts treeline-server; ends it with `kill`.

@@ -131,6 +131,13 @@ class DemoTest(ScriptTest):
                       done.stdout)
         self.assertNotIn("report.html", done.stdout)
 
+    def test_an_address_of_the_run_before_is_not_asked(self):
+        log = self.root / "out/demo/server.log"
+        log.parent.mkdir(parents=True)
+        log.write_text("listening on 127.0.0.1:1\n")
+        self.assertEqual(self.demo().returncode, 0)
+        self.assertIn("--server 127.0.0.1:4711 ", "\n".join(self.calls_made()))
+
     def test_runs_twice_and_from_any_folder(self):
         self.assertEqual(self.demo(cwd="/").returncode, 0)
         done = self.demo(cwd="/")
