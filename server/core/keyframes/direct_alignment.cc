@@ -385,20 +385,26 @@ class Aligner {
   void JudgeSurfaces(Alignment& alignment) {
     const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
     const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
+    PointCount all, hidden, open, lying, elsewhere;
+    ForEachSeen(
+        [&](size_t run, size_t i) { all.Add(AgreesInBrightness(run, i)); });
+    // Then nothing that matters is hidden, and there is no need to look.
+    const bool is_whole = all.agreeing >= kWholeAgreement * all.points;
     surface_of_.assign(seen_.seen.size(), Surface::kUnknown);
-    PointCount hidden, open, lying, elsewhere;
     ForEachSeen([&](size_t run, size_t i) {
+      const bool agrees = AgreesInBrightness(run, i);
+      if (is_whole && !agrees) return;
       const Surface surface = depth_->SurfaceAt(
           r * geometry::Vec3{points_.x[i], points_.y[i], points_.z[i]} + t,
           r * geometry::Vec3{points_.nx[i], points_.ny[i], points_.nz[i]});
       surface_of_[i] = surface;
-      const bool agrees = AgreesInBrightness(run, i);
       (surface == Surface::kHidden ? hidden : open).Add(agrees);
       if (surface == Surface::kLying) lying.Add(agrees);
       if (surface == Surface::kElsewhere) elsewhere.Add(agrees);
     });
-    const bool is_hidden = hidden.agreeing * open.points <
-                           kHiddenAgreement * hidden.points * open.agreeing;
+    const bool is_hidden =
+        !is_whole && hidden.agreeing * open.points <
+                         kHiddenAgreement * hidden.points * open.agreeing;
     if (is_hidden) {
       ForEachSeen([&](size_t /*run*/, size_t i) {
         if (surface_of_[i] == Surface::kHidden) seen_.seen[i] = 0;

@@ -13,6 +13,7 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kMaxBrightnessNoise),
           base::RowOf(kAgreeingBrightness),
           base::RowOf(kOccluderDistance_m),
+          base::RowOf(kWholeAgreement),
           base::RowOf(kHiddenAgreement),
           base::RowOf(kMinOpenShare),
           base::RowOf(kExposureCells),

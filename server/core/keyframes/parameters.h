@@ -82,6 +82,14 @@ inline constexpr base::Parameter<double> kOccluderDistance_m{
     .why =
         "what is measured so far before a point hides it; a hand, a person "
         "or furniture is further before a wall"};
+inline constexpr base::Parameter<double> kWholeAgreement{
+    .name = "whole_agreement",
+    .value = 0.6,
+    .unit = "",
+    .origin = base::ParameterOrigin::kMeasured,
+    .why =
+        "share of points that agree in brightness from which on a picture is "
+        "not looked at for what hides them; most whole ones have 0.64 to 0.7"};
 inline constexpr base::Parameter<double> kHiddenAgreement{
     .name = "hidden_agreement",
     .value = 0.5,
