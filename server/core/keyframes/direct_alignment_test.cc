@@ -129,7 +129,7 @@ TEST_F(DirectAlignmentTest, WhatCoversHalfThePictureDoesNotSetTheExposure) {
 TEST_F(DirectAlignmentTest, WhatDepthShowsToBeHiddenTellsNothing) {
   // Not of the wall's own mean brightness: then too much agrees by chance to
   // be looked at.
-  for (const int cover : {5, 90, 200}) {
+  for (const int cover : {5, 40, 220}) {
     const image::Frame frame = PictureOf(kWidth / 2, cover);
     const Alignment aligned = Align(frame, &*frame.depth);
     EXPECT_LT(Error_m(aligned), 0.003) << cover;
