@@ -10,7 +10,6 @@
 #include "Eigen/Core"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/keyframes/alignment_kernels.h"
-#include "server/core/keyframes/measured_surfaces.h"
 #include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
@@ -87,9 +86,12 @@ class Aligner {
           const image::DepthImage* depth,
           const camera::RgbdCalibration& calibration,
           const AlignmentOptions& options)
-      : map_(map), image_(image), calibration_(calibration), options_(options) {
-    if (depth != nullptr) depth_.emplace(*depth, calibration);
-  }
+      : map_(map),
+        image_(image),
+        depth_(depth),
+        calibration_(calibration),
+        depth_from_color_(calibration.color_from_depth.Inverse()),
+        options_(options) {}
 
   std::optional<Alignment> Run(const geometry::Rigid3& world_from_color) {
     camera_from_world_ = world_from_color.Inverse();
@@ -100,7 +102,7 @@ class Aligner {
     Gather(keyframes, world_from_color.translation);
     for (int level = options_.first_level; level >= options_.last_level;
          --level) {
-      const bool surfaces = depth_.has_value() && level <= kSurfaceLevel;
+      const bool surfaces = depth_ != nullptr && level <= kSurfaceLevel;
       for (int i = 0; i < options_.iterations; ++i) {
         See(level, i == 0);
         if (visible_ < MinVisible(level)) return std::nullopt;
@@ -331,6 +333,34 @@ class Aligner {
     return geometry::IsFinite(camera_from_world_);
   }
 
+  // The measured point where keyframe point p (in the colour camera) projects
+  // into the depth image. False: nothing was measured there.
+  bool Measured(geometry::Vec3 p, geometry::Vec3& measured,
+                double& sigma_m) const {
+    const camera::Camera& camera = calibration_.depth;
+    const geometry::Vec3 q = depth_from_color_ * p;
+    if (!(q.z > kMinPointDepth_m)) return false;
+    const camera::Pixel pixel = camera.Project(q);
+    if (!(pixel.x > 0 && pixel.y > 0 && pixel.x < camera.width() - 1 &&
+          pixel.y < camera.height() - 1)) {
+      return false;
+    }
+    const int x = static_cast<int>(pixel.x + 0.5);
+    const int y = static_cast<int>(pixel.y + 0.5);
+    const uint16_t value =
+        depth_->values[static_cast<size_t>(y) *
+                           static_cast<size_t>(depth_->width) +
+                       static_cast<size_t>(x)];
+    if (!image::IsMeasured(value)) return false;
+    const double z = calibration_.depth_scale * depth_->unit_m * value;
+    // The ray through the pixel's centre, from that through p's image.
+    const geometry::Vec3 ray{q.x / q.z + (x - pixel.x) / camera.fx(),
+                             q.y / q.z + (y - pixel.y) / camera.fy(), 1};
+    measured = calibration_.color_from_depth * (z * ray);
+    sigma_m = features::DepthSigma_m(z);
+    return true;
+  }
+
   // Finds the measured points that the keyframes' first runs project to; they
   // are held on to while a level is aligned, since a step moves a point along
   // its surface by less than the surface bends.
@@ -342,11 +372,11 @@ class Aligner {
       const geometry::Vec3 normal{points_.nx[i], points_.ny[i], points_.nz[i]};
       const geometry::Vec3 point{points_.x[i], points_.y[i], points_.z[i]};
       if (normal == geometry::Vec3{} || !(seen_.seen[i] > 0)) continue;
-      const std::optional<MeasuredPoint> measured = depth_->At(r * point + t);
-      if (!measured) continue;
-      surfaces_.Append(point, normal, measured->in_color,
-                       measured->sigma_m * measured->sigma_m +
-                           kSurfaceNoise_m * kSurfaceNoise_m);
+      geometry::Vec3 measured;
+      double sigma_m = 0;
+      if (!Measured(r * point + t, measured, sigma_m)) continue;
+      surfaces_.Append(point, normal, measured,
+                       (sigma_m * sigma_m + kSurfaceNoise_m * kSurfaceNoise_m));
     }
     surfaces_.Pad();
   }
@@ -357,64 +387,34 @@ class Aligner {
            kAgreeingBrightness * std::min(1.0F, ExposureOf(run).gain);
   }
 
-  // Of some points, how many there are and how many agree in brightness.
-  struct PointCount {
-    int points = 0;
-    int agreeing = 0;
-    void Add(bool agrees) {
-      ++points;
-      agreeing += agrees;
-    }
-  };
-
-  // Calls judge(run, point) for all that should be seen.
-  template <typename Function>
-  void ForEachSeen(const Function& judge) {
-    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
-    for (size_t run = 0; run < runs.size(); ++run) {
-      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
-        if (seen_.seen[i] != 0) judge(run, i);
-      }
-    }
-  }
-
-  // Fills surface_of_, and agreement with depth. Points that something hides
-  // are no longer seen, and tell nothing, if they agree in brightness far less
-  // often than others: else the picture shows what by its depth is hidden, and
-  // the depth is not the picture's.
+  // What is covered agrees neither in brightness nor in depth, and tells
+  // nothing.
   void JudgeSurfaces(Alignment& alignment) {
     const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
     const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
-    PointCount all, hidden, open, lying, elsewhere;
-    ForEachSeen(
-        [&](size_t run, size_t i) { all.Add(AgreesInBrightness(run, i)); });
-    // Then nothing that matters is hidden, and there is no need to look.
-    const bool is_whole = all.agreeing >= kWholeAgreement * all.points;
-    surface_of_.assign(seen_.seen.size(), Surface::kUnknown);
-    ForEachSeen([&](size_t run, size_t i) {
-      const bool agrees = AgreesInBrightness(run, i);
-      if (is_whole && !agrees) return;
-      const Surface surface = depth_->SurfaceAt(
-          r * geometry::Vec3{points_.x[i], points_.y[i], points_.z[i]} + t,
-          r * geometry::Vec3{points_.nx[i], points_.ny[i], points_.nz[i]});
-      surface_of_[i] = surface;
-      (surface == Surface::kHidden ? hidden : open).Add(agrees);
-      if (surface == Surface::kLying) lying.Add(agrees);
-      if (surface == Surface::kElsewhere) elsewhere.Add(agrees);
-    });
-    const bool is_hidden =
-        !is_whole && hidden.agreeing * open.points <
-                         kHiddenAgreement * hidden.points * open.agreeing;
-    if (is_hidden) {
-      ForEachSeen([&](size_t /*run*/, size_t i) {
-        if (surface_of_[i] == Surface::kHidden) seen_.seen[i] = 0;
-      });
+    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
+    int lying = 0;
+    for (size_t run = 0; run < runs.size(); ++run) {
+      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        const geometry::Vec3 normal{points_.nx[i], points_.ny[i],
+                                    points_.nz[i]};
+        if (normal == geometry::Vec3{} || seen_.seen[i] == 0 ||
+            !AgreesInBrightness(run, i)) {
+          continue;
+        }
+        const geometry::Vec3 p =
+            r * geometry::Vec3{points_.x[i], points_.y[i], points_.z[i]} + t;
+        geometry::Vec3 measured;
+        double sigma_m = 0;
+        if (!Measured(p, measured, sigma_m)) continue;
+        ++alignment.measured;
+        lying += std::abs(geometry::Dot(r * normal, p - measured)) <=
+                 0.02 + 3 * sigma_m;
+      }
     }
-    alignment.measured =
-        lying.agreeing + elsewhere.agreeing + (is_hidden ? 0 : hidden.agreeing);
     if (alignment.measured > 0) {
       alignment.depth_agreement =
-          static_cast<double>(lying.agreeing) / alignment.measured;
+          static_cast<double>(lying) / alignment.measured;
     }
   }
 
@@ -423,28 +423,31 @@ class Aligner {
     alignment.world_from_camera = camera_from_world_.Inverse();
     alignment.visible = visible_;
     alignment.overlap = static_cast<double>(visible_) / total_points_;
-    if (depth_) JudgeSurfaces(alignment);
     double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-    PointCount seen;
-    ForEachSeen([&](size_t run, size_t i) {
-      seen.Add(AgreesInBrightness(run, i));
-      // Against what the keyframe, exposed alike, would have shown.
-      const double b = seen_.brightness[i];
-      const double a = b - Residual(options_.last_level, run, i);
-      sa += a;
-      sb += b;
-      saa += a * a;
-      sbb += b * b;
-      sab += a * b;
-    });
-    const double n = std::max(1, seen.points);
-    // Of a few points that are left many may agree by chance.
-    alignment.agreement = seen.agreeing / std::max(n, kMinOpenShare * visible_);
+    int agreeing = 0;
+    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
+    for (size_t run = 0; run < runs.size(); ++run) {
+      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        agreeing += AgreesInBrightness(run, i);
+        // Against what the keyframe, exposed alike, would have shown.
+        const double b = seen_.brightness[i];
+        const double a = b - Residual(options_.last_level, run, i);
+        sa += a;
+        sb += b;
+        saa += a * a;
+        sbb += b * b;
+        sab += a * b;
+      }
+    }
+    const double n = alignment.visible;
+    alignment.agreement = agreeing / n;
     const double va = saa - sa * sa / n;
     const double vb = sbb - sb * sb / n;
     if (va > n && vb > n) {
       alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
     }
+    if (depth_ != nullptr) JudgeSurfaces(alignment);
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =
         kCorrelatedPoints * information_.ldlt().solve(Matrix6::Identity());
@@ -468,12 +471,12 @@ class Aligner {
 
   const KeyframeMap& map_;
   const features::GrayPyramid& image_;
-  std::optional<MeasuredSurfaces> depth_;
+  const image::DepthImage* depth_;
   const camera::RgbdCalibration& calibration_;
+  const geometry::Rigid3 depth_from_color_;
   const AlignmentOptions& options_;
   AlignmentPoints points_;
   VisiblePoints seen_;
-  std::vector<Surface> surface_of_;  // of each point
   SurfacePoints surfaces_;
   std::vector<PointRun> runs_;
   geometry::Vec3 origin_;

@@ -74,36 +74,6 @@ inline constexpr base::Parameter<float> kAgreeingBrightness{
     .why =
         "points whose brightness differs by no more agree with the "
         "frame"};
-inline constexpr base::Parameter<double> kOccluderDistance_m{
-    .name = "occluder_distance",
-    .value = 0.1,
-    .unit = "m",
-    .origin = base::ParameterOrigin::kGeometry,
-    .why =
-        "what is measured so far before a point hides it; a hand, a person "
-        "or furniture is further before a wall"};
-inline constexpr base::Parameter<double> kWholeAgreement{
-    .name = "whole_agreement",
-    .value = 0.6,
-    .unit = "",
-    .origin = base::ParameterOrigin::kMeasured,
-    .why =
-        "share of points that agree in brightness from which on a picture is "
-        "not looked at for what hides them; most whole ones have 0.64 to 0.7"};
-inline constexpr base::Parameter<double> kHiddenAgreement{
-    .name = "hidden_agreement",
-    .value = 0.5,
-    .unit = "",
-    .origin = base::ParameterOrigin::kTuned,
-    .why =
-        "of hidden points, the share that agrees in brightness, in that of "
-        "the others, below which something hides them"};
-inline constexpr base::Parameter<double> kMinOpenShare{
-    .name = "min_open_share",
-    .value = 0.25,
-    .unit = "",
-    .origin = base::ParameterOrigin::kTuned,
-    .why = "fewer points that nothing hides agree by chance"};
 inline constexpr base::Parameter<int> kExposureCells{
     .name = "exposure_cells",
     .value = 4,
