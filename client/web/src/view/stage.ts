@@ -1,6 +1,6 @@
 // The video with everything that lies over it, and the pointing at it.
 
-import type { SceneMap } from '@treeline/client';
+import type { RigidTransform, SceneMap } from '@treeline/client';
 
 import { button, el, setShown } from '../common/dom.js';
 import type { Note } from '../model/notes.js';
@@ -41,6 +41,7 @@ export class Stage {
   private notes: readonly Note[] = [];
   private picture: LocatedPicture | null = null;
   private isStarted = false;
+  private isInSpace = false;
   private crossX = 0.5;
   private crossY = 0.5;
 
@@ -70,6 +71,36 @@ export class Stage {
     setShown(this.frame, isStarted);
     this.setPicture(null, null);
     this.resize();
+  }
+
+  /** What a session in the space around the device is drawn with. */
+  get renderer() {
+    return this.overlay.renderer;
+  }
+
+  async enterSpace(session: XRSession): Promise<void> {
+    await this.overlay.present(session);
+    this.isInSpace = true;
+    setShown(this.frame, true);
+    setShown(this.video, false);
+    this.resize();
+  }
+
+  leaveSpace(): void {
+    if (!this.isInSpace) return;
+    this.isInSpace = false;
+    this.overlay.leaveSpace();
+    setShown(this.video, true);
+    this.setStarted(false);
+  }
+
+  /** In each frame of the session. */
+  drawSpace(picture: LocatedPicture | null,
+      worldFromDevice: RigidTransform | null): void {
+    this.picture = picture;
+    this.placeLabels();
+    this.placeLayers();
+    this.overlay.drawSpace(worldFromDevice);
   }
 
   setScene(bounds: Bounds | null, up: UpAxis): void {
@@ -129,7 +160,8 @@ export class Stage {
   }
 
   private placeLayers(): void {
-    setShown(this.still, this.shown.still && this.picture !== null);
+    setShown(this.still,
+        this.shown.still && this.picture !== null && !this.isInSpace);
     const isPointed = this.shown.points && this.picture !== null;
     setShown(this.points, isPointed);
     if (isPointed) {
@@ -194,11 +226,17 @@ export class Stage {
   private resize(): void {
     const { videoWidth, videoHeight } = this.video;
     const { clientWidth, clientHeight } = this.element;
+    if (this.isInSpace) {
+      this.fit(clientWidth, clientHeight);
+      return;
+    }
     if (!this.isStarted || videoWidth === 0 || clientWidth === 0) return;
     const scale =
         Math.min(clientWidth / videoWidth, clientHeight / videoHeight);
-    const widthPx = Math.round(videoWidth * scale);
-    const heightPx = Math.round(videoHeight * scale);
+    this.fit(Math.round(videoWidth * scale), Math.round(videoHeight * scale));
+  }
+
+  private fit(widthPx: number, heightPx: number): void {
     this.frame.style.width = `${widthPx}px`;
     this.frame.style.height = `${heightPx}px`;
     this.points.width = widthPx * window.devicePixelRatio;
