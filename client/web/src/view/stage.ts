@@ -6,10 +6,16 @@ import { button, el, setShown } from '../common/dom.js';
 import type { Note } from '../model/notes.js';
 import { project, type LocatedPicture, type PixelPoint } from '../model/pin.js';
 import type { Bounds, UpAxis } from '../model/scene_up.js';
+import { Loupe } from './loupe.js';
 import { Overlay, type OverlayLayer } from './overlay.js';
 import { drawPoints } from './points.js';
 
-export type Layer = OverlayLayer | 'points' | 'still';
+// Those that this file draws itself.
+type PictureLayer = 'points' | 'still' | 'loupe';
+export type Layer = OverlayLayer | PictureLayer;
+
+const isPictureLayer = (layer: Layer): layer is PictureLayer =>
+  layer === 'points' || layer === 'still' || layer === 'loupe';
 
 export interface StageEvents {
   readonly onPoint: (at: PixelPoint) => void;
@@ -37,7 +43,8 @@ export class Stage {
   private readonly labels = el('div', { class: 'labels' });
   private readonly target: HTMLElement;
   private readonly frame: HTMLElement;
-  private readonly shown = { points: false, still: false };
+  private readonly shown = { points: false, still: false, loupe: false };
+  private readonly loupe = new Loupe();
   private notes: readonly Note[] = [];
   private picture: LocatedPicture | null = null;
   private isStarted = false;
@@ -53,10 +60,12 @@ export class Stage {
       on: {
         click: (event) => this.onClick(event),
         keydown: (event) => this.onKey(event),
+        pointermove: (event) => this.onPointer(event),
       },
     }, this.cross);
     this.frame = el('div', { class: 'frame', id: 'frame' }, this.video,
-        this.still, this.overlay.canvas, this.points, this.target, this.labels);
+        this.still, this.overlay.canvas, this.points, this.target, this.labels,
+        this.loupe.element);
     this.element = el('section', { class: 'stage',
       attributes: { 'aria-label': 'Camera' } }, this.frame, empty);
     this.video.muted = true;
@@ -120,7 +129,7 @@ export class Stage {
   }
 
   show(layer: Layer, isShown: boolean): void {
-    if (layer === 'points' || layer === 'still') {
+    if (isPictureLayer(layer)) {
       this.shown[layer] = isShown;
       this.placeLayers();
     } else {
@@ -157,11 +166,23 @@ export class Stage {
     this.still.height = bitmap.height;
     this.still.getContext('2d')!.drawImage(bitmap, 0, 0);
     bitmap.close();
+    this.placeLoupe();
+  }
+
+  private placeLoupe(): void {
+    const { picture, crossPoint } = this;
+    if (!this.shown.loupe || this.isInSpace || picture === null ||
+        crossPoint === null) {
+      this.loupe.hide();
+    } else {
+      this.loupe.show(picture, this.still, crossPoint);
+    }
   }
 
   private placeLayers(): void {
     setShown(this.still,
         this.shown.still && this.picture !== null && !this.isInSpace);
+    this.placeLoupe();
     const isPointed = this.shown.points && this.picture !== null;
     setShown(this.points, isPointed);
     if (isPointed) {
@@ -190,11 +211,19 @@ export class Stage {
   }
 
   private onClick(event: MouseEvent): void {
+    this.crossTo(event);
+    this.point();
+  }
+
+  private onPointer(event: MouseEvent): void {
+    if (this.shown.loupe) this.crossTo(event);
+  }
+
+  private crossTo(event: MouseEvent): void {
     const box = this.target.getBoundingClientRect();
     this.crossX = (event.clientX - box.left) / box.width;
     this.crossY = (event.clientY - box.top) / box.height;
     this.moveCross(0, 0);
-    this.point();
   }
 
   private onKey(event: KeyboardEvent): void {
@@ -220,6 +249,7 @@ export class Stage {
     this.crossY = within(this.crossY + y * STEP_SHARE);
     this.cross.style.left = `${100 * this.crossX}%`;
     this.cross.style.top = `${100 * this.crossY}%`;
+    this.placeLoupe();
   }
 
   // The frame is as large as the stage allows, in the shape of the video.
