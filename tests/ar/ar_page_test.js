@@ -11,6 +11,7 @@ import { after, before, test } from 'node:test';
 
 import { FOCAL_PX, heldOut, HEIGHT_PX, launchWithCamera, open, startServer,
   trueCameraOf, trueShareOf, waitForState, WIDTH_PX } from './fixture.js';
+import { assertAccessible } from '../page/accessibility.js';
 
 // Every fourth: the walk has turned by then.
 const SEEN = heldOut.filter((_, i) => i % 4 === 1).slice(0, 4);
@@ -338,8 +339,32 @@ test('everything is reached and done with the keyboard alone', async () => {
     await page.keyboard.press('Enter');
   }
   for (const id of ['scene', 'start', 'token', 'use-token', 'pin', 'show-grid',
-    'show-box', 'show-points', 'show-loupe', 'show-still', 'view', 'corrects', 'up']) {
+    'show-box', 'show-points', 'show-loupe', 'show-still', 'view', 'corrects',
+    'up']) {
     await tabTo(id);
+  }
+  await browser.close();
+});
+
+test('axe-core finds no fault, in either tone, dialogs included', async () => {
+  const browser = await launchWithCamera(SEEN[0]);
+  for (const colorScheme of ['light', 'dark']) {
+    const { page, close } =
+        await open(browser, server.url, { colorScheme });
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    for (const folded of ['access', 'assumed']) {
+      await page.click(`#${folded} summary`);
+    }
+    await page.click('#start');
+    await waitForState(page, 'Located');
+    await page.check('#show-loupe');
+    await page.click('#pin');
+    await page.fill('#note-input', 'Here');
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    await page.click('#note-save');
+    await page.waitForSelector('#notes li');
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    await close();
   }
   await browser.close();
 });

@@ -12,6 +12,7 @@ import { installFakeSpace } from './fake_space.js';
 import { FOCAL_PX, heldOut, HEIGHT_PX, launchWithCamera, RECORDING,
   startServer, trueCameraOf, trueShareOf, waitForState, WIDTH_PX } from
   './fixture.js';
+import { assertAccessible } from '../page/accessibility.js';
 import { wrongsOf } from '../page/browser.js';
 
 // Of the recording: the device shows one frame after the other.
@@ -250,6 +251,7 @@ test('what fits no phone has larger targets than fingers, in space too',
         await page.click('#start-space');
         await waitForState(page, 'Located');
         await screenshot(page, `space-${viewport.width}`);
+        await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
         for (const id of ['start', 'pin']) {
           const box = await page.locator(`#${id}`).boundingBox();
           assert.ok(box.width >= 44 && box.height >= 44 && box.y > 0 &&
