@@ -24,18 +24,6 @@ constexpr double kBegun_m = 0.1;
 // A robot that does not even set off.
 constexpr double kNeverBegun_s = 30;
 
-sensors::LaserScannerOptions ScannerOf(const core::RangeSensorInfo& laser,
-                                       sensors::LaserScannerOptions like) {
-  like.beams = laser.beams;
-  like.angle_min_rad = laser.angle_min_rad;
-  like.angle_increment_rad = laser.angle_increment_rad;
-  like.beam_interval_s = laser.beam_interval_s;
-  like.scan_interval_s = laser.scan_interval_s;
-  like.range_min_m = laser.range_min_m;
-  like.range_max_m = laser.range_max_m;
-  return like;
-}
-
 absl::StatusOr<geometry::Rigid2> PlaceOf(const worlds::World& world,
                                          const std::string& name) {
   for (const worlds::NamedPlace& place : world.places) {
@@ -68,13 +56,7 @@ class FieldDrive {
     simulation.seed = options.seed;
     simulation.start = {.position = start.translation,
                         .yaw_rad = start.yaw_rad};
-    simulator::SensorOptions& sensors = simulation.sensors;
-    sensors.laser = ScannerOf(options.robot.lasers.front, sensors.laser);
-    if (options.robot.lasers.rear.has_value()) {
-      sensors.has_rear_laser = true;
-      sensors.rear_laser =
-          ScannerOf(*options.robot.lasers.rear, sensors.rear_laser);
-    }
+    simulation.sensors.UseLasers(options.robot.lasers);
     TL_ASSIGN_OR_RETURN(drive->simulator_, simulator::Simulator::Create(
                                                std::move(world), simulation));
     simulator::Simulator& simulator = *drive->simulator_;

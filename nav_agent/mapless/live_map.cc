@@ -37,9 +37,21 @@ bool LiveMap::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
     origin_ = {std::floor((low.x - kGrowth_m) / cell_m_) * cell_m_,
                std::floor((low.y - kGrowth_m) / cell_m_) * cell_m_};
   }
+  if (width_ == 0) {
+    seen_low_ = low;
+    seen_high_ = high;
+  }
   const core::CellIndex first = CellOf(low);
   const core::CellIndex last = CellOf(high);
-  if (width_ > 0 && Contains(first) && Contains(last)) return true;
+  const auto note_seen = [&] {
+    seen_low_ = {std::min(seen_low_.x, low.x), std::min(seen_low_.y, low.y)};
+    seen_high_ = {std::max(seen_high_.x, high.x),
+                  std::max(seen_high_.y, high.y)};
+  };
+  if (width_ > 0 && Contains(first) && Contains(last)) {
+    note_seen();
+    return true;
+  }
   const int growth = static_cast<int>(kGrowth_m / cell_m_);
   const int left = first.x < 0 ? growth - first.x : 0;
   const int below = first.y < 0 ? growth - first.y : 0;
@@ -60,6 +72,7 @@ bool LiveMap::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
   origin_ = {origin_.x - left * cell_m_, origin_.y - below * cell_m_};
   width_ = columns;
   height_ = rows;
+  note_seen();
   return true;
 }
 

@@ -31,6 +31,11 @@ class LiveMap {
   // The lower left corner of cell (0, 0) in the map.
   geometry::Vec2 origin() const { return origin_; }
 
+  // The corners of what beams and marks ever reached; both the origin if none
+  // did.
+  geometry::Vec2 seen_low() const { return seen_low_; }
+  geometry::Vec2 seen_high() const { return seen_high_; }
+
   // The beams of one scan: a cell in which one ends is not passed by others.
   void AddScan(std::span<const LiveBeam> beams);
   // Something is known to stand there; beams that pass can say otherwise.
@@ -49,6 +54,7 @@ class LiveMap {
  private:
   static constexpr int8_t kUnseen = INT8_MIN;
 
+  // False: that would be too large a map.
   bool MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high);
   size_t IndexOf(core::CellIndex cell) const {
     return static_cast<size_t>(cell.y) * static_cast<size_t>(width_) +
@@ -64,6 +70,8 @@ class LiveMap {
   int width_ = 0;
   int height_ = 0;
   geometry::Vec2 origin_;
+  geometry::Vec2 seen_low_;
+  geometry::Vec2 seen_high_;
   std::vector<int8_t> evidence_;
   // The scan that touched a cell last.
   std::vector<uint32_t> touched_;

@@ -31,13 +31,14 @@ class MaplessNavigator final : public behavior::Navigator {
         devices_(devices),
         clock_(clock),
         max_range_m_(options.max_range_m),
+        known_(options.known),
         sensors_(devices, {.laser_timeout_s = options.laser_timeout_s,
                            .odometry_timeout_s = options.odometry_timeout_s}),
         tilt_(robot, limits_),
         deadline_(options.control_hz, limits_, events_),
         safe_stop_(limits_, events_),
         drive_(robot, options, events_) {
-    for (const core::OccupancyGrid& grid : options.known) MarkKnown(grid);
+    MarkKnown();
   }
 
   void Step() override;
@@ -64,7 +65,7 @@ class MaplessNavigator final : public behavior::Navigator {
   }
 
  private:
-  void MarkKnown(const core::OccupancyGrid& grid);
+  void MarkKnown();
   void FeedScans();
   core::VelocityCommand Decide();
   void Command(const core::VelocityCommand& command, bool stops_at_once);
@@ -74,6 +75,7 @@ class MaplessNavigator final : public behavior::Navigator {
   const behavior::NavigatorDevices devices_;
   const base::Clock& clock_;
   const double max_range_m_;
+  const std::vector<core::OccupancyGrid> known_;
   const behavior::NavigatorLimits limits_;
 
   behavior::EventLog events_;
@@ -97,11 +99,13 @@ class MaplessNavigator final : public behavior::Navigator {
   std::vector<LiveBeam> shown_beams_;
 };
 
-void MaplessNavigator::MarkKnown(const core::OccupancyGrid& grid) {
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x) {
-      if (grid.At({x, y}) == core::Occupancy::kOccupied) {
-        map_.Mark(grid.CenterInMap({x, y}));
+void MaplessNavigator::MarkKnown() {
+  for (const core::OccupancyGrid& grid : known_) {
+    for (int y = 0; y < grid.height; ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        if (grid.At({x, y}) == core::Occupancy::kOccupied) {
+          map_.Mark(grid.CenterInMap({x, y}));
+        }
       }
     }
   }
@@ -224,6 +228,9 @@ absl::Status MaplessNavigator::SetPose(
     return absl::InvalidArgumentError("the pose is not finite");
   }
   reckoning_.SetPose(at);
+  // What was seen lies elsewhere now.
+  map_.Clear();
+  MarkKnown();
   drive_.ForgetWay();
   events_.Add("pose", absl::StrFormat("told to be at (%.2f, %.2f)",
                                       at.translation.x, at.translation.y));

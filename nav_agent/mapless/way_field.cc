@@ -175,10 +175,8 @@ void WayField::NoteChange(const std::vector<geometry::Vec2>& before) {
 
 bool WayField::Update(const LiveMap& map, geometry::Vec2 robot,
                       geometry::Vec2 goal) {
-  const geometry::Vec2 seen_low = map.origin();
-  const geometry::Vec2 seen_high =
-      map.origin() + geometry::Vec2{map.width() * map.cell_m(),
-                                    map.height() * map.cell_m()};
+  const geometry::Vec2 seen_low = map.seen_low();
+  const geometry::Vec2 seen_high = map.seen_high();
   const geometry::Vec2 low = {std::min({robot.x, goal.x, seen_low.x}),
                               std::min({robot.y, goal.y, seen_low.y})};
   const geometry::Vec2 high = {std::max({robot.x, goal.x, seen_high.x}),
