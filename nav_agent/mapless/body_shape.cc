@@ -6,7 +6,7 @@
 namespace treeline::mapless {
 namespace {
 
-constexpr double kRimStep_m = 0.07;
+constexpr double kRimStep_m = 0.05;
 
 }  // namespace
 

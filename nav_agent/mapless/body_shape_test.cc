@@ -29,10 +29,10 @@ TEST(BodyShape, ACornerTouchesWhereTheSideDoesNot) {
   AddWall({-2, 0.29}, {2, 0.29}, map);
   AddWall({-2, -0.29}, {2, -0.29}, map);
   const ClearanceWindow clearance(map, {-3, -3}, {3, 3});
-  const BodyShape body(SmallRobot(), 0);
-  EXPECT_GT(body.RoomAt_m(clearance, {{0, 0}, 0}, 1), 0);
+  const BodyShape body(SmallRobot(), kBodyMargin_m);
+  EXPECT_GE(body.RoomAt_m(clearance, {{0, 0}, 0}, 1), 0);
   // Its corner reaches 0.32 m to the side.
-  EXPECT_LT(body.RoomAt_m(clearance, {{0, 0}, 0.9}, 1), kCell_m / 2);
+  EXPECT_LT(body.RoomAt_m(clearance, {{0, 0}, 0.9}, 1), 0);
 }
 
 TEST(BodyShape, AMarginIsTakenOffTheRoom) {

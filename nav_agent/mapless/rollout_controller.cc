@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStep_s = 0.1;
 // Shares of the fastest that are tried, forward and of the curve.
-constexpr double kSpeeds[] = {0, 0.12, 0.25, 0.4, 0.55, 0.75, 1};
+constexpr double kSpeeds[] = {0, 0.05, 0.12, 0.25, 0.4, 0.55, 0.75, 1};
 constexpr double kCurves[] = {-1,  -0.65, -0.4, -0.22, -0.1, 0,
                               0.1, 0.22,  0.4,  0.65,  1};
 constexpr double kLaterCurves[] = {-0.8, -0.35, -0.12, 0, 0.12, 0.35, 0.8};
@@ -86,9 +86,10 @@ std::optional<RolloutController::Outcome> RolloutController::TryOut(
 
 double RolloutController::CostOf(const Outcome& outcome, const Choice& choice,
                                  const WayField& way) const {
-  const geometry::Vec2 ahead =
-      outcome.end * geometry::Vec2{kAhead_m, 0};
   const double to_go_m = way.ToGo(outcome.end.translation);
+  // Not beyond the goal, or it would stand before it.
+  const geometry::Vec2 ahead =
+      outcome.end * geometry::Vec2{std::min(kAhead_m.value, to_go_m), 0};
   // Ahead may lie in an obstacle: that is a reason against, not a proof.
   const double ahead_m = std::min(way.ToGo(ahead), to_go_m + kAhead_m * 4);
   double cost_m = 0.5 * (to_go_m + ahead_m) + kHasteCost * outcome.haste_m;

@@ -28,7 +28,7 @@ class Drive {
         took_s_ = now_s;
         break;
       }
-      way_.Update(map, at, goal_);
+      if (steps_++ % 6 == 0) way_.Update(map, at, goal_);
       const core::VelocityCommand command =
           rollouts_.Best(motion_, clearance, way_)
               .value_or(core::VelocityCommand());
@@ -56,6 +56,7 @@ class Drive {
   WayField way_{wide_};
   RolloutController rollouts_{SmallRobot(), wide_, {1.5, 2}};
   RobotMotion motion_;
+  int steps_ = 0;
   std::optional<double> took_s_;
 };
 
