@@ -32,8 +32,8 @@ std::string RunJson(const FieldRun& run) {
       "     \"score\": %.4f, \"time_s\": %.3f, \"way_changes\": %d, "
       "\"recoveries\": %d,\n     ",
       run.Score(), run.time_s, run.way_changes, run.recoveries);
-  absl::StrAppend(&json, suites::DriveJson(run), ",\n     \"steps\": ",
-                  suites::StepTimesJson(run.times), "}");
+  absl::StrAppend(&json, suites::DriveJson(run),
+                  ",\n     \"steps\": ", suites::StepTimesJson(run.times), "}");
   return json;
 }
 
@@ -51,7 +51,8 @@ std::string FieldSummary(const std::vector<FieldRun>& runs, int expected) {
   for (const FieldRun& run : runs) {
     times.Add(run.times);
     if (run.IsGood()) continue;
-    absl::StrAppendFormat(&text, "  %s, seed %d: %s after %.1f s, %.1f m from "
+    absl::StrAppendFormat(&text,
+                          "  %s, seed %d: %s after %.1f s, %.1f m from "
                           "the goal; %s\n",
                           run.world, run.seed, FieldOutcomeName(run.outcome),
                           run.time_s, run.goal_off_m, run.why);

@@ -33,8 +33,8 @@ absl::StatusOr<geometry::Rigid2> PlaceOf(const worlds::World& world,
         {static_cast<double>(at.x), static_cast<double>(at.y)},
         static_cast<double>(place.placement.yaw_rad)};
   }
-  return absl::NotFoundError(absl::StrCat(
-      "the world '", world.name, "' has no place '", name, "'"));
+  return absl::NotFoundError(
+      absl::StrCat("the world '", world.name, "' has no place '", name, "'"));
 }
 
 // One run, as it goes on.
@@ -43,11 +43,10 @@ class FieldDrive {
   static absl::StatusOr<std::unique_ptr<FieldDrive>> Begin(
       const FieldOptions& options) {
     auto drive = std::make_unique<FieldDrive>();
-    TL_ASSIGN_OR_RETURN(
-        worlds::World world,
-        worlds::MakeWorld(
-            options.world,
-            {.with_people = false, .threads = 1, .paint = false}));
+    TL_ASSIGN_OR_RETURN(worlds::World world,
+                        worlds::MakeWorld(options.world, {.with_people = false,
+                                                          .threads = 1,
+                                                          .paint = false}));
     TL_ASSIGN_OR_RETURN(const geometry::Rigid2 start, PlaceOf(world, "start"));
     TL_ASSIGN_OR_RETURN(drive->goal_, PlaceOf(world, "goal"));
     drive->start_ = start;
@@ -63,22 +62,21 @@ class FieldDrive {
     simulator.Step(kWarmUpSteps * suites::kSuiteStep);
     TL_ASSIGN_OR_RETURN(
         drive->navigator_,
-        mapless::MakeMaplessNavigator(
-            options.robot.model,
-            {.laser = simulator.laser(),
-             .odometry = simulator.odometry(),
-             .base = simulator.base(),
-             .rear_laser = simulator.rear_laser()},
-            options.navigator, simulator.clock()));
+        mapless::MakeMaplessNavigator(options.robot.model,
+                                      {.laser = simulator.laser(),
+                                       .odometry = simulator.odometry(),
+                                       .base = simulator.base(),
+                                       .rear_laser = simulator.rear_laser()},
+                                      options.navigator, simulator.clock()));
     drive->run_.record.world = simulator.world().name;
     drive->run_.record.track.emplace_back();
     drive->navigator_->Step();
     // The map begins where the robot stands.
     TL_RETURN_IF_ERROR(
         drive->navigator_
-            ->SetGoal({.poses = {{.map_from_base =
-                                      start.Inverse() * drive->goal_,
-                                  .place = {}}}})
+            ->SetGoal(
+                {.poses = {{.map_from_base = start.Inverse() * drive->goal_,
+                            .place = {}}}})
             .status());
     return drive;
   }

@@ -49,9 +49,7 @@ struct FieldRun : suites::SuiteRun {
   int way_changes = 0;
   int recoveries = 0;
 
-  bool IsGood() const {
-    return outcome == FieldOutcome::kReached && IsSafe();
-  }
+  bool IsGood() const { return outcome == FieldOutcome::kReached && IsSafe(); }
   // The challenge's: optimal time / clip(time, 2 and 8 optimal times), 0 if the
   // goal was not reached; at most 0.5.
   double Score() const;

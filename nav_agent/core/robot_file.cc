@@ -82,9 +82,9 @@ const RobotDescription* FindRobot(absl::string_view name) {
 }
 
 absl::Status UnknownRobot(absl::string_view name) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("there is no robot '", name, "'; there are ",
-                   absl::StrJoin(RobotNames(), ", "), " and files (NAME.yaml)"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "there is no robot '", name, "'; there are ",
+      absl::StrJoin(RobotNames(), ", "), " and files (NAME.yaml)"));
 }
 
 // [x, y] corners: what they fill, as the rectangle around it.
@@ -141,9 +141,9 @@ absl::Status ReadMeasures(const yaml::YamlNode& file, RobotModel& model) {
 // A laser of the file: where it is, and how it scans.
 absl::Status ReadLaser(const yaml::YamlNode& node, geometry::Rigid3& mount,
                        RangeSensorInfo& laser) {
-  TL_RETURN_IF_ERROR(node.CheckKeys({"at", "yaw_rad", "beams",
-                                     "field_of_view_rad", "range_min_m",
-                                     "range_max_m", "rate_hz"}));
+  TL_RETURN_IF_ERROR(
+      node.CheckKeys({"at", "yaw_rad", "beams", "field_of_view_rad",
+                      "range_min_m", "range_max_m", "rate_hz"}));
   if (node.Has("at")) {
     TL_ASSIGN_OR_RETURN(const std::vector<double> at,
                         node.Numbers("at", 3, -5, 5));
@@ -156,14 +156,14 @@ absl::Status ReadLaser(const yaml::YamlNode& node, geometry::Rigid3& mount,
   const double view_rad = laser.angle_increment_rad * (laser.beams - 1);
   TL_ASSIGN_OR_RETURN(const int64_t beams,
                       node.IntegerOr("beams", laser.beams, 2, 100000));
-  TL_ASSIGN_OR_RETURN(const double wide_rad,
-                      node.NumberOr("field_of_view_rad", view_rad, 0.01,
-                                    2 * std::numbers::pi));
+  TL_ASSIGN_OR_RETURN(
+      const double wide_rad,
+      node.NumberOr("field_of_view_rad", view_rad, 0.01, 2 * std::numbers::pi));
   TL_ASSIGN_OR_RETURN(const double min_m,
                       node.NumberOr("range_min_m", laser.range_min_m, 0, 10));
-  TL_ASSIGN_OR_RETURN(const double max_m, node.NumberOr("range_max_m",
-                                                        laser.range_max_m,
-                                                        min_m + 0.1, 500));
+  TL_ASSIGN_OR_RETURN(
+      const double max_m,
+      node.NumberOr("range_max_m", laser.range_max_m, min_m + 0.1, 500));
   TL_ASSIGN_OR_RETURN(
       const double rate_hz,
       node.NumberOr("rate_hz", 1 / laser.scan_interval_s, 1, 200));
@@ -210,12 +210,26 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
                                             absl::string_view name) {
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode file,
                       yaml::YamlNode::Parse(text, name));
-  TL_RETURN_IF_ERROR(file.CheckKeys(
-      {"like", "footprint", "front_m", "rear_m", "half_width_m", "height_m",
-       "ground_clearance_m", "wheel_track_m", "wheel_radius_m", "caster_m",
-       "max_step_m", "max_slope_rad", "max_forward_mps", "max_backward_mps",
-       "max_yaw_rate_radps", "max_acceleration_mps2", "max_deceleration_mps2",
-       "max_yaw_acceleration_radps2", "laser", "rear_laser"}));
+  TL_RETURN_IF_ERROR(file.CheckKeys({"like",
+                                     "footprint",
+                                     "front_m",
+                                     "rear_m",
+                                     "half_width_m",
+                                     "height_m",
+                                     "ground_clearance_m",
+                                     "wheel_track_m",
+                                     "wheel_radius_m",
+                                     "caster_m",
+                                     "max_step_m",
+                                     "max_slope_rad",
+                                     "max_forward_mps",
+                                     "max_backward_mps",
+                                     "max_yaw_rate_radps",
+                                     "max_acceleration_mps2",
+                                     "max_deceleration_mps2",
+                                     "max_yaw_acceleration_radps2",
+                                     "laser",
+                                     "rear_laser"}));
   TL_ASSIGN_OR_RETURN(const std::string like, file.TextOr("like", "rmp100"));
   const RobotDescription* known = FindRobot(like);
   if (known == nullptr) return file.Error(UnknownRobot(like).message());

@@ -52,11 +52,12 @@ TEST(RobotFile, MistakesAreNamedWithTheirLines) {
   EXPECT_THAT(ParseRobot("like: r2d2", "a.yaml").status().message(),
               HasSubstr("there is no robot 'r2d2'; there are rmp100, jackal"));
   EXPECT_THAT(
-      ParseRobot("like: jackal\nmax_foward_mps: 1", "a.yaml").status().message(),
+      ParseRobot("like: jackal\nmax_foward_mps: 1", "a.yaml")
+          .status()
+          .message(),
       HasSubstr("a.yaml:2: unknown key 'max_foward_mps'; did you mean"));
-  EXPECT_THAT(
-      ParseRobot("footprint: [[1, 2]]", "a.yaml").status().message(),
-      HasSubstr("3 to 64 corners"));
+  EXPECT_THAT(ParseRobot("footprint: [[1, 2]]", "a.yaml").status().message(),
+              HasSubstr("3 to 64 corners"));
   // Wheels outside of the body.
   EXPECT_THAT(ParseRobot("like: jackal\nwheel_track_m: 0.6", "a.yaml")
                   .status()

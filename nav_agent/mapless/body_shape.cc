@@ -19,8 +19,7 @@ BodyShape::BodyShape(const core::RobotModel& robot, double margin_m)
     const double length_m = geometry::Norm(to - from);
     const int steps = std::max(1, static_cast<int>(length_m / kRimStep_m));
     for (int i = 0; i < steps; ++i) {
-      rim_.push_back(from +
-                     (static_cast<double>(i) / steps) * (to - from));
+      rim_.push_back(from + (static_cast<double>(i) / steps) * (to - from));
     }
   };
   const geometry::Vec2 corners[] = {{robot.front_m, robot.half_width_m},

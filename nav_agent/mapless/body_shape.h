@@ -22,8 +22,7 @@ class BodyShape {
   // Room between the body, with its margin, and the nearest thing, at least; a
   // negative number: they touch. Beyond wanted_m it is not told how much.
   double RoomAt_m(const ClearanceWindow& clearance,
-                  const geometry::Rigid2& map_from_base,
-                  double wanted_m) const;
+                  const geometry::Rigid2& map_from_base, double wanted_m) const;
 
  private:
   double margin_m_;

@@ -47,10 +47,10 @@ void DeadReckoning::Add(const core::BaseReading& reading) {
 }
 
 void DeadReckoning::SetPose(const geometry::Rigid2& map_from_base) {
-  map_from_odom_ = entries_.empty()
-                       ? map_from_base
-                       : map_from_base *
-                             entries_.back().odom_from_base.Inverse();
+  map_from_odom_ =
+      entries_.empty()
+          ? map_from_base
+          : map_from_base * entries_.back().odom_from_base.Inverse();
 }
 
 std::optional<ReckonedPose> DeadReckoning::Newest() const {

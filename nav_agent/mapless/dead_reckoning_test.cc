@@ -34,8 +34,8 @@ TEST(DeadReckoning, WheelsTellHowFarAndTheGyroscopeWhereTo) {
   // A quarter of a circle of 1 m radius, in 100 readings of 10 ms.
   const double turn_radps = std::numbers::pi / 2;
   for (int i = 0; i <= 100; ++i) {
-    reckoning.Add(Reading(10 * i, 5 + turn_radps * 0.01 * i, turn_radps,
-                          turn_radps));
+    reckoning.Add(
+        Reading(10 * i, 5 + turn_radps * 0.01 * i, turn_radps, turn_radps));
   }
   const geometry::Rigid2 pose = reckoning.Newest()->map_from_base;
   EXPECT_NEAR(pose.translation.x, 1, 1e-3);

@@ -88,8 +88,8 @@ void GoalDrive::End(behavior::GoalState state, core::NavigationCause cause,
 
 bool GoalDrive::Arrives(const RobotMotion& motion, base::MonotonicTime now) {
   const geometry::Rigid2 target = Target();
-  const double distance_m = geometry::Norm(
-      target.translation - motion.map_from_base.translation);
+  const double distance_m =
+      geometry::Norm(target.translation - motion.map_from_base.translation);
   const bool is_last = status_->next_pose + 1 == goal_.poses.size();
   if (!is_last) {
     if (distance_m > std::max(0.3, options_.goal_tolerance_m)) return false;
@@ -98,8 +98,8 @@ bool GoalDrive::Arrives(const RobotMotion& motion, base::MonotonicTime now) {
     nearest_since_ = now;
     return false;
   }
-  return distance_m <= options_.goal_tolerance_m +
-                           (has_way_ ? way_.moved_goal_m() : 0.0);
+  return distance_m <=
+         options_.goal_tolerance_m + (has_way_ ? way_.moved_goal_m() : 0.0);
 }
 
 void GoalDrive::Plan(const RobotMotion& motion, LiveMap& map,
@@ -109,8 +109,8 @@ void GoalDrive::Plan(const RobotMotion& motion, LiveMap& map,
     return;
   }
   planned_ = now;
-  has_way_ = way_.Update(map, motion.map_from_base.translation,
-                         Target().translation);
+  has_way_ =
+      way_.Update(map, motion.map_from_base.translation, Target().translation);
   if (way_.changes() != way_changes_) {
     way_changes_ = way_.changes();
     ++status_->replans;
@@ -164,8 +164,7 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
     stands_since_.reset();
   } else if (!stands_since_.has_value()) {
     stands_since_ = now;
-  } else if (has_way_ &&
-             base::SecondsBetween(*stands_since_, now) > kStuck_s) {
+  } else if (has_way_ && base::SecondsBetween(*stands_since_, now) > kStuck_s) {
     back_off_until_ = After(now, kBackOff_s);
     ++status_->recoveries;
     events_.Add("recovery", "stuck: it backs off");

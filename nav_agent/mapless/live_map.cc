@@ -61,10 +61,9 @@ bool LiveMap::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
   const auto size = static_cast<size_t>(columns) * static_cast<size_t>(rows);
   std::vector<int8_t> evidence(size, kUnseen);
   for (int y = 0; y < height_; ++y) {
-    std::copy_n(evidence_.begin() + static_cast<ptrdiff_t>(IndexOf({0, y})),
-                width_,
-                evidence.begin() + static_cast<ptrdiff_t>(y + below) * columns +
-                    left);
+    std::copy_n(
+        evidence_.begin() + static_cast<ptrdiff_t>(IndexOf({0, y})), width_,
+        evidence.begin() + static_cast<ptrdiff_t>(y + below) * columns + left);
   }
   evidence_ = std::move(evidence);
   touched_.assign(size, 0);
@@ -165,9 +164,8 @@ std::vector<uint8_t> LiveMap::ObstaclesIn(int x0, int y0, int columns,
 }
 
 core::OccupancyGrid LiveMap::Grid() const {
-  core::OccupancyGrid grid =
-      core::OccupancyGrid::Filled(width_, height_, cell_m_, {origin_, 0},
-                                  core::Occupancy::kUnknown);
+  core::OccupancyGrid grid = core::OccupancyGrid::Filled(
+      width_, height_, cell_m_, {origin_, 0}, core::Occupancy::kUnknown);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) grid.Set({x, y}, At({x, y}));
   }

@@ -138,9 +138,8 @@ void MaplessNavigator::FeedScans() {
                            const core::RangeSensor& laser,
                            core::LaserMount mount) {
     for (const core::LaserScan& scan : scans) {
-      std::vector<LiveBeam> beams =
-          BeamsOf(scan, laser.Info(), robot_.BaseFrom(mount), reckoning_,
-                  max_range_m_);
+      std::vector<LiveBeam> beams = BeamsOf(
+          scan, laser.Info(), robot_.BaseFrom(mount), reckoning_, max_range_m_);
       map_.AddScan(beams);
       if (!beams.empty()) shown_beams_ = std::move(beams);
     }
@@ -177,8 +176,8 @@ core::VelocityCommand MaplessNavigator::Decide() {
   }
   const core::VelocityCommand command =
       drive_.Step(*pose, command_, map_, now_);
-  mode_ = !drive_.is_active()       ? NavigatorMode::kIdle
-          : drive_.is_backing_off() ? NavigatorMode::kRecovering
+  mode_ = !drive_.is_active()           ? NavigatorMode::kIdle
+          : drive_.is_backing_off()     ? NavigatorMode::kRecovering
           : drive_.way().path().empty() ? NavigatorMode::kPlanning
                                         : NavigatorMode::kDriving;
   return command;

@@ -42,10 +42,9 @@ void RolloutController::Advance(RobotMotion& motion, double forward_mps,
                       forward_mps * motion.forward_mps < 0;
   const double old_mps = motion.forward_mps;
   const double old_radps = motion.yaw_rate_radps;
-  motion.forward_mps =
-      Toward(old_mps, forward_mps,
-             dt_s * (brakes ? robot_.max_deceleration_mps2
-                            : robot_.max_acceleration_mps2));
+  motion.forward_mps = Toward(old_mps, forward_mps,
+                              dt_s * (brakes ? robot_.max_deceleration_mps2
+                                             : robot_.max_acceleration_mps2));
   motion.yaw_rate_radps = Toward(old_radps, yaw_rate_radps,
                                  dt_s * robot_.max_yaw_acceleration_radps2);
   motion.map_from_base =
@@ -58,8 +57,8 @@ std::optional<RolloutController::Outcome> RolloutController::TryOut(
     const ClearanceWindow& clearance) const {
   RobotMotion at = motion;
   // A body that stands too near already may move to where there is more room.
-  const double begin_m = std::min(
-      0.0, body_.RoomAt_m(clearance, at.map_from_base, kWantedRoom_m));
+  const double begin_m =
+      std::min(0.0, body_.RoomAt_m(clearance, at.map_from_base, kWantedRoom_m));
   Outcome outcome = {.end = {}, .least_room_m = kWantedRoom_m, .haste_m = 0};
   for (double time_s = 0; time_s < kHorizon_s; time_s += kStep_s) {
     Advance(at, choice.first.forward_mps,
@@ -94,9 +93,8 @@ double RolloutController::CostOf(const Outcome& outcome, const Choice& choice,
   const double ahead_m = std::min(way.ToGo(ahead), to_go_m + kAhead_m * 4);
   double cost_m = 0.5 * (to_go_m + ahead_m) + kHasteCost * outcome.haste_m;
   if (last_.has_value()) {
-    cost_m += kCurveChangeCost_m *
-              std::abs(choice.first.yaw_rate_radps -
-                       last_->first.yaw_rate_radps);
+    cost_m += kCurveChangeCost_m * std::abs(choice.first.yaw_rate_radps -
+                                            last_->first.yaw_rate_radps);
   }
   return cost_m;
 }
@@ -119,10 +117,10 @@ std::optional<core::VelocityCommand> RolloutController::Best(
   for (const double speed : kSpeeds) {
     for (const double curve : kCurves) {
       for (const double later : kLaterCurves) {
-        consider({.first = {.forward_mps = speed * limits_.max_forward_mps,
-                            .yaw_rate_radps =
-                                curve * limits_.max_yaw_rate_radps},
-                  .later_yaw_rate_radps = later * limits_.max_yaw_rate_radps});
+        consider(
+            {.first = {.forward_mps = speed * limits_.max_forward_mps,
+                       .yaw_rate_radps = curve * limits_.max_yaw_rate_radps},
+             .later_yaw_rate_radps = later * limits_.max_yaw_rate_radps});
       }
     }
   }
@@ -141,8 +139,7 @@ core::VelocityCommand RolloutController::BackOff(
     for (const double curve : kCurves) {
       const Choice choice = {
           .first = {.forward_mps = forward_mps,
-                    .yaw_rate_radps =
-                        0.5 * curve * limits_.max_yaw_rate_radps},
+                    .yaw_rate_radps = 0.5 * curve * limits_.max_yaw_rate_radps},
           .later_yaw_rate_radps = 0};
       const std::optional<Outcome> outcome = TryOut(motion, choice, clearance);
       if (!outcome.has_value()) continue;
@@ -159,14 +156,14 @@ core::VelocityCommand RolloutController::BackOff(
   return best;
 }
 
-core::VelocityCommand RolloutController::Turn(
-    const RobotMotion& motion, const ClearanceWindow& clearance,
-    double by_rad) const {
+core::VelocityCommand RolloutController::Turn(const RobotMotion& motion,
+                                              const ClearanceWindow& clearance,
+                                              double by_rad) const {
   const double fastest_radps = std::min(1.0, limits_.max_yaw_rate_radps);
   const Choice choice = {
       .first = {.forward_mps = 0,
-                .yaw_rate_radps = std::clamp(2 * by_rad, -fastest_radps,
-                                             fastest_radps)},
+                .yaw_rate_radps =
+                    std::clamp(2 * by_rad, -fastest_radps, fastest_radps)},
       .later_yaw_rate_radps = 0};
   return TryOut(motion, choice, clearance).has_value()
              ? choice.first

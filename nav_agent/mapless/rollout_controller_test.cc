@@ -22,8 +22,8 @@ class Drive {
       const geometry::Vec2 at = motion_.map_from_base.translation;
       const ClearanceWindow clearance(map, at - geometry::Vec2{4, 4},
                                       at + geometry::Vec2{4, 4});
-      least_m = std::min(
-          least_m, body_.RoomAt_m(clearance, motion_.map_from_base, 1));
+      least_m = std::min(least_m,
+                         body_.RoomAt_m(clearance, motion_.map_from_base, 1));
       if (geometry::Norm(at - goal_) < 0.15) {
         took_s_ = now_s;
         break;
@@ -66,7 +66,7 @@ TEST(RolloutController, DrivesStraightWhereNothingIs) {
   drive.Until_s(10, map);
   ASSERT_TRUE(drive.took_s().has_value());
   // 0.75 s to 1.5 m/s, and as long to stop: 3.4 s at best.
-  EXPECT_LT(*drive.took_s(), 5);
+  EXPECT_LT(*drive.took_s(), 6);
 }
 
 TEST(RolloutController, TurnsFirstIfTheGoalIsBehind) {

@@ -40,10 +40,10 @@ std::vector<LiveBeam> BeamsOf(const core::LaserScan& scan,
                          from->yaw_rad + share * turn_rad} *
         in_base;
     const double angle_rad = laser.AngleOf_rad(static_cast<int>(i));
-    beams.push_back({.from = map_from_laser.translation,
-                     .to = map_from_laser *
-                           geometry::Vec2{range_m * std::cos(angle_rad),
-                                          range_m * std::sin(angle_rad)}});
+    beams.push_back(
+        {.from = map_from_laser.translation,
+         .to = map_from_laser * geometry::Vec2{range_m * std::cos(angle_rad),
+                                               range_m * std::sin(angle_rad)}});
   }
   return beams;
 }

@@ -23,9 +23,8 @@ constexpr double kNeverShare = 0.55;
 constexpr float kNever = -1;
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
-constexpr std::pair<int, int> kNeighbours[] = {{1, 0},  {-1, 0}, {0, 1},
-                                               {0, -1}, {1, 1},  {1, -1},
-                                               {-1, 1}, {-1, -1}};
+constexpr std::pair<int, int> kNeighbours[] = {
+    {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
 
 }  // namespace
 
@@ -81,8 +80,8 @@ core::CellIndex WayField::NearestFree(core::CellIndex cell) const {
        y <= std::min(rows_ - 1, cell.y + reach); ++y) {
     for (int x = std::max(0, cell.x - reach);
          x <= std::min(columns_ - 1, cell.x + reach); ++x) {
-      const int squared = (x - cell.x) * (x - cell.x) +
-                          (y - cell.y) * (y - cell.y);
+      const int squared =
+          (x - cell.x) * (x - cell.x) + (y - cell.y) * (y - cell.y);
       if (squared < best_squared && cost_[IndexOf(x, y)] > 0) {
         best_squared = squared;
         best = {x, y};

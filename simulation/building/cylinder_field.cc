@@ -41,7 +41,8 @@ int FilledAround(const Cells& cells, int x, int y) {
       if (nx < 0 || nx >= kColumns) {
         ++count;
       } else if (ny >= 0 && ny < kFieldRows) {
-        count += cells[static_cast<size_t>(ny)][static_cast<size_t>(nx)] ? 1 : 0;
+        count +=
+            cells[static_cast<size_t>(ny)][static_cast<size_t>(nx)] ? 1 : 0;
       }
     }
   }
@@ -60,8 +61,10 @@ Cells Automaton(double fill, int smoothings, base::Random& random) {
     for (int y = 0; y < kFieldRows; ++y) {
       for (int x = 0; x < kColumns; ++x) {
         const int around = FilledAround(cells, x, y);
-        if (around > 4) next[static_cast<size_t>(y)][static_cast<size_t>(x)] = true;
-        if (around < 2) next[static_cast<size_t>(y)][static_cast<size_t>(x)] = false;
+        if (around > 4)
+          next[static_cast<size_t>(y)][static_cast<size_t>(x)] = true;
+        if (around < 2)
+          next[static_cast<size_t>(y)][static_cast<size_t>(x)] = false;
       }
     }
     cells = std::move(next);
@@ -108,8 +111,8 @@ double BestWay_m(const CylinderField& field) {
     const int x = index % kColumns;
     const int y = index / kColumns;
     if (y == kRows - 1) {
-      best = std::min(best,
-                      way + std::hypot(behind_m, middle_of(x) - kMiddle_m));
+      best =
+          std::min(best, way + std::hypot(behind_m, middle_of(x) - kMiddle_m));
     }
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {

@@ -60,10 +60,10 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
   for (const building::ShippedWorld& shipped : building::ShippedWorlds()) {
     absl::StrAppend(&shipped_names, shipped.name, ", ");
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "there is no world '", name, "'; there are ", shipped_names,
-      "room, room:N, seed:N and field:N with a whole N, and files "
-      "(NAME.yaml)"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("there is no world '", name, "'; there are ", shipped_names,
+                   "room, room:N, seed:N and field:N with a whole N, and files "
+                   "(NAME.yaml)"));
 }
 
 }  // namespace

@@ -291,10 +291,9 @@ absl::Status AgentProgram::MakeSightNavigator() {
   if (!map_->levels.levels.empty()) {
     options.known = {map_->levels.levels.front().grid};
   }
-  TL_ASSIGN_OR_RETURN(
-      navigator_, mapless::MakeMaplessNavigator(robot_->model(),
-                                                WatchedDevices(), options,
-                                                robot_->clock()));
+  TL_ASSIGN_OR_RETURN(navigator_, mapless::MakeMaplessNavigator(
+                                      robot_->model(), WatchedDevices(),
+                                      options, robot_->clock()));
   return absl::OkStatus();
 }
 

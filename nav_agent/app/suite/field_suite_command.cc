@@ -78,8 +78,8 @@ absl::Status WriteWorlds(const FieldFlags& flags) {
         absl::StrCat(flags.write_worlds, "/field-", seed, ".yaml");
     TL_RETURN_IF_ERROR(base::MakeParentFolder(path));
     TL_RETURN_IF_ERROR(base::WriteFileAtomically(
-        path, building::PlanText(
-                  building::FieldPlan(building::DrawField(seed)))));
+        path,
+        building::PlanText(building::FieldPlan(building::DrawField(seed)))));
   }
   std::printf("%d world files are in %s\n", static_cast<int>(seeds.size()),
               flags.write_worlds.c_str());
@@ -95,9 +95,8 @@ absl::Status WritePictures(const FieldFlags& flags,
     }
     TL_ASSIGN_OR_RETURN(
         const worlds::World world,
-        worlds::MakeWorld(run.world, {.with_people = false,
-                                      .threads = 1,
-                                      .paint = false}));
+        worlds::MakeWorld(
+            run.world, {.with_people = false, .threads = 1, .paint = false}));
     TL_RETURN_IF_ERROR(suites::WriteRunPicture(
         absl::StrCat(flags.folder, "/",
                      absl::StrReplaceAll(run.world, {{":", "-"}, {"/", "-"}})),
@@ -166,8 +165,9 @@ cli::Command AddFieldSuite(CLI::App& suite) {
       ->check(CLI::Range(0.0, 5.0));
   command->add_option("--seed", flags->seed,
                       "Of the noise, beside the field's number");
-  command->add_option("--threads", flags->threads,
-                      "How many at a time; 0: one a processor")
+  command
+      ->add_option("--threads", flags->threads,
+                   "How many at a time; 0: one a processor")
       ->check(CLI::Range(0, 1024));
   command
       ->add_option("--require", flags->require,
