@@ -51,6 +51,11 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::rear_laser,
             {.name = "rear_laser",
              .help = "The simulated robot has a second laser that looks back"});
+  table.Add(&AgentConfig::robot,
+            {.name = "robot",
+             .value_name = "NAME",
+             .help = "The simulated robot: rmp100, jackal, or a file "
+                     "(docs/reference/robots.md)"});
   table.Add(&AgentConfig::record,
             {.name = "record",
              .value_name = "FILE",
@@ -127,6 +132,11 @@ void AddListening(Table& table) {
 }
 
 void AddDriving(Table& table) {
+  table.Add(&AgentConfig::by_sight,
+            {.name = "by_sight",
+             .help = "Drive by what the lasers see and the wheels count, "
+                     "without localization; what a map shows on its lowest "
+                     "level is known beforehand, without map nothing is"});
   table.Add(&AgentConfig::planner,
             {.name = "planner",
              .help = "Global planner (docs/explanation/planning.md)"});
@@ -240,9 +250,10 @@ absl::Status AgentConfig::Validate() const {
     return absl::InvalidArgumentError(
         "give either --simulate WORLD or --hardware FILE");
   }
-  if (map.empty() && !hardware.empty()) {
+  if (map.empty() && !hardware.empty() && !by_sight) {
     return absl::InvalidArgumentError(
-        "a real robot needs --map BUNDLE (treeline-agent map makes one)");
+        "a real robot needs --map BUNDLE (treeline-agent map makes one), or "
+        "--by-sight");
   }
   if (!hardware.empty() && speed != 1) {
     return absl::InvalidArgumentError(
@@ -251,6 +262,10 @@ absl::Status AgentConfig::Validate() const {
   if (find_yourself && !start_at.empty()) {
     return absl::InvalidArgumentError(
         "give either --start-at or --find-yourself");
+  }
+  if (find_yourself && by_sight) {
+    return absl::InvalidArgumentError(
+        "--by-sight finds no place; leave --find-yourself out");
   }
   TL_RETURN_IF_ERROR(SimulatedWorld().status());
   TL_RETURN_IF_ERROR(ParseRequestedPose(start_at, "--start-at").status());

@@ -19,6 +19,7 @@
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
 #include "nav_agent/service/agent_info.h"
 #include "nav_agent/service/http_api.h"
@@ -27,6 +28,9 @@ namespace treeline::run_app {
 namespace {
 
 constexpr double kControlHz = 40;
+// What is shown where there is no map: free ground, so far in each direction.
+constexpr double kBlank_m = 30;
+constexpr double kBlankCell_m = 0.1;
 // Pictures for people.
 constexpr auto kPictureInterval = std::chrono::milliseconds(200);
 // A pose that somebody gives is about right.
@@ -41,6 +45,21 @@ constexpr auto kLaserReport = std::chrono::seconds(5);
 bool HasSpoken(const core::RangeSensor& laser) {
   return laser.Info().beams > 0 ||
          laser.Health().state == core::DeviceState::kRunning;
+}
+
+// One level of free ground about the origin.
+behavior::NavigatorMap BlankMap() {
+  const int side = static_cast<int>(2 * kBlank_m / kBlankCell_m);
+  traversability::TraversableLevel level;
+  level.grid = core::OccupancyGrid::Filled(side, side, kBlankCell_m,
+                                           {{-kBlank_m, -kBlank_m}, 0},
+                                           core::Occupancy::kFree);
+  level.height_m.assign(level.grid.cells.size(), 0);
+  level.slope_rad.assign(level.grid.cells.size(), 0);
+  level.clearance_m.assign(level.grid.cells.size(), 3);
+  behavior::NavigatorMap map;
+  map.levels.levels.push_back(std::move(level));
+  return map;
 }
 
 class AgentProgram {
@@ -61,6 +80,8 @@ class AgentProgram {
   // False: a stop was requested meanwhile.
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
+  behavior::NavigatorDevices WatchedDevices();
+  absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
 
   const AgentConfig& config_;
@@ -91,7 +112,10 @@ class AgentProgram {
 
 absl::Status AgentProgram::LoadMap() {
   auto map = std::make_shared<behavior::NavigatorMap>();
-  if (config_.map.empty()) {
+  if (config_.map.empty() && config_.by_sight) {
+    *map = BlankMap();
+    info_.map_name = "nothing";
+  } else if (config_.map.empty()) {
     TL_ASSIGN_OR_RETURN(*map, MapOfWorld(config_.simulate));
     info_.map_name = config_.simulate;
   } else {
@@ -109,12 +133,15 @@ absl::Status AgentProgram::MakeRobot() {
   if (config_.hardware.empty()) {
     TL_ASSIGN_OR_RETURN(const worlds::WorldOptions world,
                         config_.SimulatedWorld());
+    TL_ASSIGN_OR_RETURN(const core::RobotDescription model,
+                        core::ReadRobot(config_.robot));
     TL_ASSIGN_OR_RETURN(
         robot_,
         MakeSimulatedRobot({.world = config_.simulate,
                             .world_options = world,
                             .seed = static_cast<uint64_t>(config_.seed),
                             .camera_hz = config_.camera_hz,
+                            .robot = model,
                             .has_rear_laser = config_.rear_laser,
                             .map_begins_at_start = !config_.map.empty()}));
     return absl::OkStatus();
@@ -243,7 +270,35 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
   return false;
 }
 
+behavior::NavigatorDevices AgentProgram::WatchedDevices() {
+  const behavior::NavigatorDevices raw = robot_->Devices();
+  return {.laser = laser_ == nullptr ? raw.laser : *laser_,
+          .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+          .base = raw.base,
+          .rear_laser = raw.rear_laser,
+          .camera = camera_.get(),
+          .server = server_.get()};
+}
+
+absl::Status AgentProgram::MakeSightNavigator() {
+  mapless::MaplessOptions options;
+  options.control_hz = kControlHz;
+  options.max_forward_mps = config_.max_forward_mps;
+  options.goal_tolerance_m = config_.goal_tolerance_m;
+  options.goal_tolerance_rad = config_.goal_tolerance_rad;
+  options.laser_timeout_s = config_.laser_timeout_s;
+  options.odometry_timeout_s = config_.odometry_timeout_s;
+  if (!map_->levels.levels.empty()) {
+    options.known = {map_->levels.levels.front().grid};
+  }
+  TL_ASSIGN_OR_RETURN(navigator_, mapless::MakeMaplessNavigator(
+                                      robot_->model(), WatchedDevices(),
+                                      options, robot_->clock()));
+  return absl::OkStatus();
+}
+
 absl::Status AgentProgram::MakeNavigator() {
+  if (config_.by_sight) return MakeSightNavigator();
   behavior::NavigatorOptions options;
   options.control_hz = kControlHz;
   options.plans_in_background = true;
@@ -258,17 +313,9 @@ absl::Status AgentProgram::MakeNavigator() {
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.finds_itself_at_start = config_.find_yourself;
   options.seed = static_cast<uint64_t>(config_.seed);
-  const behavior::NavigatorDevices raw = robot_->Devices();
-  const behavior::NavigatorDevices devices = {
-      .laser = laser_ == nullptr ? raw.laser : *laser_,
-      .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
-      .base = raw.base,
-      .rear_laser = raw.rear_laser,
-      .camera = camera_.get(),
-      .server = server_.get()};
   absl::StatusOr<std::unique_ptr<behavior::Navigator>> navigator =
-      behavior::Navigator::Create(*map_, robot_->model(), devices, options,
-                                  robot_->clock());
+      behavior::Navigator::Create(*map_, robot_->model(), WatchedDevices(),
+                                  options, robot_->clock());
   if (!navigator.ok()) {
     return base::Annotate(navigator.status(),
                           config_.map.empty() ? config_.simulate : config_.map);
