@@ -3,10 +3,11 @@
 // says. A person with a remote control (the tour) and RViz (goals) are played,
 // too.
 //
-//   simulated_robot DOMAIN WORLD PACE CAMERA_HZ
+//   simulated_robot DOMAIN WORLD PACE CAMERA_HZ [plain]
 //
 // PACE: simulated seconds in a real one; time is told on /clock. 0: real time,
-// with stamps of the system's clock and without /clock.
+// with stamps of the system's clock and without /clock. plain: one laser of 541
+// beams at 20 Hz, instead of two of which one has 1081 at 40 Hz.
 //
 // Lines on standard input:
 //   tour                     drives the world's tour, once
@@ -415,6 +416,7 @@ void SimulatedRobot::Obey(const std::string& line) {
   words >> x >> y >> yaw;
   if (order == "tour") {
     simulator::TourOptions options;
+    options.speed_mps = 0.6;
     std::vector<geometry::Vec3> corners;
     for (const worlds::Float3& corner : robot_->world().tour) {
       corners.push_back({static_cast<double>(corner.x),
@@ -503,8 +505,8 @@ void SimulatedRobot::Tell() {
   std::fflush(stdout);
 }
 
-int Play(int domain_id, const std::string& world, double pace,
-         double camera_hz) {
+int Play(int domain_id, const std::string& world, double pace, double camera_hz,
+         bool is_plain) {
   simulator::Scenario scenario;
   scenario.world = world;
   scenario.world_options.with_people = false;
@@ -512,7 +514,14 @@ int Play(int domain_id, const std::string& world, double pace,
   scenario.options.seed = 5;
   scenario.options.sensors.camera_hz = camera_hz;
   scenario.options.sensors.camera_is_lit = false;
-  scenario.options.sensors.has_rear_laser = true;
+  scenario.options.sensors.has_rear_laser = !is_plain;
+  if (is_plain) {
+    sensors::LaserScannerOptions& laser = scenario.options.sensors.laser;
+    laser.beams = 541;
+    laser.angle_increment_rad *= 2;
+    laser.scan_interval_s = 0.05;
+    laser.beam_interval_s *= 4;
+  }
   const auto fail = [](const absl::Status& status) {
     std::fprintf(stderr, "%s\n", status.ToString().c_str());
     return 1;
@@ -537,10 +546,11 @@ int Play(int domain_id, const std::string& world, double pace,
 }  // namespace treeline
 
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    std::fprintf(stderr, "usage: %s DOMAIN WORLD PACE CAMERA_HZ\n", argv[0]);
+  if (argc != 5 && argc != 6) {
+    std::fprintf(stderr, "usage: %s DOMAIN WORLD PACE CAMERA_HZ [plain]\n",
+                 argv[0]);
     return 2;
   }
   return treeline::Play(std::atoi(argv[1]), argv[2], std::atof(argv[3]),
-                        std::atof(argv[4]));
+                        std::atof(argv[4]), argc == 6);
 }

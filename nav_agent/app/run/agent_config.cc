@@ -249,7 +249,7 @@ absl::Status AgentConfig::Validate() const {
     return absl::InvalidArgumentError(
         "a real robot needs --map BUNDLE (treeline-agent map makes one)");
   }
-  if (!hardware.empty() && speed != 1) {
+  if (simulate.empty() && speed != 1) {
     return absl::InvalidArgumentError(
         "--speed is for simulations: a real robot has its own time");
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -83,6 +84,10 @@ class AgentProgram {
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
   absl::Status GiveOrders();
+  // Steps wait for a simulation of somebody else's.
+  bool FollowsSimulation() const {
+    return ros_robot_ != nullptr && ros_robot_->config().use_sim_time;
+  }
 
   const AgentConfig& config_;
   logging::ProgramLog& log_;
@@ -366,7 +371,8 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
       *robot_, *navigator_, *commands_, metrics_,
       {.camera = camera_.get(), .server = server_.get()},
       {.control_hz = kControlHz,
-       .speed = config_.speed,
+       .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
+                                    : config_.speed,
        .duration_s = config_.duration},
       real_clock_, [this](const std::string& kind, const std::string& text) {
         log_.Write(logging::LogLevel::kInfo,

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "nav_agent/app/ros/ros_robot.h"
@@ -34,13 +35,16 @@ class RosAgentRobot final : public AgentRobot {
   const base::Clock& clock() const override { return robot_->time(); }
   // Whole once RosRobot::WaitUntilKnown has returned.
   const core::RobotModel& model() const override { return robot_->model(); }
-  void Advance(std::chrono::nanoseconds /*duration*/) override {}
+  // Time passes by itself. Of a simulation it is waited for: steps are taken at
+  // its pace, whatever that is.
+  void Advance(std::chrono::nanoseconds duration) override;
 
  private:
   explicit RosAgentRobot(std::unique_ptr<ros_app::RosRobot> robot)
       : robot_(std::move(robot)) {}
 
   const std::unique_ptr<ros_app::RosRobot> robot_;
+  base::MonotonicTime due_;
 };
 
 }  // namespace treeline::run_app
