@@ -204,9 +204,8 @@ TEST_F(MapBundleTest, ALaserAloneMakesPlanarLevels) {
 }
 
 TEST_F(MapBundleTest, VoxelsOfPlanarLevelsHaveTheirUnknownMarginsToo) {
-  core::OccupancyGrid ground =
-      core::OccupancyGrid::Filled(9, 8, 0.05, {.translation = {-0.5, 0.2}},
-                                  core::Occupancy::kUnknown);
+  core::OccupancyGrid ground = core::OccupancyGrid::Filled(
+      9, 8, 0.05, {.translation = {-0.5, 0.2}}, core::Occupancy::kUnknown);
   ground.Set({3, 4}, core::Occupancy::kOccupied);
   ground.Set({5, 2}, core::Occupancy::kFree);
   const auto levels = PlanarLevels({&ground, 1}, std::vector<double>{0});

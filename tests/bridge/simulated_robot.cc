@@ -15,8 +15,8 @@
 //   goal X Y YAW             somebody clicks a goal, there in the world
 //   place X Y YAW            somebody clicks an initial pose
 //   silence TOPIC SECONDS    scan, odom or clock says nothing for so long
-//   jump SECONDS             the clock that stamps are of is set ahead by so much
-//   nonsense                 a scan and an odometry that are none
+//   jump SECONDS             the clock that stamps are of is set ahead by so
+//   much nonsense                 a scan and an odometry that are none
 // On standard output, twice a second, a line of key=value that tests wait for.
 #include <algorithm>
 #include <array>
@@ -24,6 +24,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -100,8 +101,8 @@ class SimulatedRobot {
                  double pace, bool has_camera)
       : node_(node),
         robot_(std::move(robot)),
-        map_from_world_(geometry::PlanarPose(robot_->state().world_from_base)
-                            .Inverse()),
+        map_from_world_(
+            geometry::PlanarPose(robot_->state().world_from_base).Inverse()),
         has_clock_(pace > 0),
         has_camera_(has_camera),
         pace_(has_clock_ ? pace : 1) {}
@@ -111,7 +112,11 @@ class SimulatedRobot {
     Orders orders;
     auto next_status = std::chrono::steady_clock::now();
     while (!orders.is_over()) {
-      for (const std::string& line : orders.Take()) Obey(line);
+      for (const std::string& line : orders.Take()) waiting_.push_back(line);
+      while (!waiting_.empty() && CanObey(waiting_.front())) {
+        Obey(waiting_.front());
+        waiting_.pop_front();
+      }
       const base::MonotonicTime now = real_clock_.Now();
       if (pace_.Due(now) >= kStep) {
         Step();
@@ -156,16 +161,21 @@ class SimulatedRobot {
   void PublishOdometry(const core::BaseReading& reading);
   void PublishFrame(const core::RgbdFrame& frame);
   void TakeMessages();
+  // Who clicks looks whether anybody listens.
+  bool CanObey(const std::string& line) const {
+    if (line.starts_with("goal")) return goal_->matched() > 0;
+    if (line.starts_with("place")) return initial_pose_->matched() > 0;
+    return true;
+  }
   void Obey(const std::string& line);
   void SendNonsense();
   void Tell();
 
   // As a stamp: by /clock, or by the system's clock.
   messages::Time StampOf(base::MonotonicTime measured) const {
-    const int64_t sim_ns =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(
-            measured.time_since_epoch())
-            .count();
+    const int64_t sim_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                               measured.time_since_epoch())
+                               .count();
     return messages::TimeOf(sim_ns + shift_ns_ + jump_ns_);
   }
   messages::Header HeaderOf(base::MonotonicTime measured,
@@ -184,8 +194,7 @@ class SimulatedRobot {
     const geometry::Rigid2 place =
         map_from_world_ * geometry::Rigid2{{x_m, y_m}, yaw_rad};
     return conversions::PoseOf(
-        {.rotation =
-             geometry::Rotation3::FromAxisAngle({0, 0, place.yaw_rad}),
+        {.rotation = geometry::Rotation3::FromAxisAngle({0, 0, place.yaw_rad}),
          .translation = {place.translation.x, place.translation.y, 0}});
   }
 
@@ -201,6 +210,7 @@ class SimulatedRobot {
   int64_t jump_ns_ = 0;
   SimTime next_clock_{0};
   SimTime next_steering_{0};
+  std::deque<std::string> waiting_;
   std::map<std::string, SimTime> silent_until_;
   std::unique_ptr<simulator::TourDriver> tour_;
   // ---- wheels ----
@@ -255,8 +265,7 @@ void SimulatedRobot::Advertise() {
   picture_ = Make<messages::CompressedImage>("camera/image_raw/compressed",
                                              dds::kSensorData);
   goal_ = Make<messages::PoseStamped>("goal_pose", {});
-  initial_pose_ =
-      Make<messages::PoseWithCovarianceStamped>("initialpose", {});
+  initial_pose_ = Make<messages::PoseWithCovarianceStamped>("initialpose", {});
   cmd_vel_heard_ = Hear<messages::Twist>("cmd_vel", {});
   place_heard_ = Hear<messages::PoseWithCovarianceStamped>("amcl_pose", {});
   frames_heard_ = Hear<messages::TFMessage>("/tf", {.depth = 100});
@@ -280,8 +289,8 @@ void SimulatedRobot::Step() {
   robot_->Step(kStep);
   if (has_clock_ && robot_->now() >= next_clock_ && !IsSilent("clock")) {
     next_clock_ = robot_->now() + kClockInterval;
-    Send(*clock_, messages::Clock{
-                      .clock = StampOf(base::MonotonicTime(robot_->now()))});
+    Send(*clock_,
+         messages::Clock{.clock = StampOf(base::MonotonicTime(robot_->now()))});
   }
   PublishSensors();
 }
@@ -328,10 +337,9 @@ void SimulatedRobot::PublishOdometry(const core::BaseReading& reading) {
         (right_m - left_m) / robot_->options().robot.wheel_track_m;
     const double way_m = (left_m + right_m) / 2;
     odom_from_base_ =
-        odom_from_base_ *
-        geometry::Rigid2{{way_m * std::cos(turn_rad / 2),
-                          way_m * std::sin(turn_rad / 2)},
-                         turn_rad};
+        odom_from_base_ * geometry::Rigid2{{way_m * std::cos(turn_rad / 2),
+                                            way_m * std::sin(turn_rad / 2)},
+                                           turn_rad};
   }
   last_reading_ = reading;
   if (IsSilent("odom")) return;
@@ -342,10 +350,10 @@ void SimulatedRobot::PublishOdometry(const core::BaseReading& reading) {
       geometry::Rotation3::FromAxisAngle({0, 0, odom_from_base_.yaw_rad}) *
       geometry::Rotation3::FromAxisAngle({0, reading.pitch_rad, 0}) *
       geometry::Rotation3::FromAxisAngle({reading.roll_rad, 0, 0});
-  message.pose.pose = conversions::PoseOf(
-      {.rotation = rotation,
-       .translation = {odom_from_base_.translation.x,
-                       odom_from_base_.translation.y, 0}});
+  message.pose.pose =
+      conversions::PoseOf({.rotation = rotation,
+                           .translation = {odom_from_base_.translation.x,
+                                           odom_from_base_.translation.y, 0}});
   message.twist.twist.linear.x = reading.forward_mps;
   message.twist.twist.angular.z = reading.yaw_rate_radps;
   Send(*odom_, message);
@@ -375,8 +383,7 @@ void SimulatedRobot::TakeMessages() {
     ++commands_;
     if (tour_ == nullptr) robot_->base().SetVelocity(command_).IgnoreError();
   }
-  if (auto place =
-          Newest<messages::PoseWithCovarianceStamped>(*place_heard_)) {
+  if (auto place = Newest<messages::PoseWithCovarianceStamped>(*place_heard_)) {
     place_ = *place;
   }
   if (auto frames = Newest<messages::TFMessage>(*frames_heard_)) {
@@ -473,14 +480,15 @@ void SimulatedRobot::SendNonsense() {
 void SimulatedRobot::Tell() {
   const simulator::TrueState state = robot_->state();
   const geometry::Rigid2 world = geometry::PlanarPose(state.world_from_base);
-  std::printf("t=%.2f true=%.3f,%.3f,%.3f speed=%.3f driven=%.2f tour=%d "
-              "cmd=%.3f,%.3f commands=%lld map=%zu plan=%zu",
-              std::chrono::duration<double>(robot_->now()).count(),
-              world.translation.x, world.translation.y, world.yaw_rad,
-              std::abs(state.forward_mps) + std::abs(state.yaw_rate_radps),
-              state.distance_m, tour_ != nullptr ? 1 : 0, command_.forward_mps,
-              command_.yaw_rate_radps, static_cast<long long>(commands_),
-              map_cells_, plan_poses_);
+  std::printf(
+      "t=%.2f true=%.3f,%.3f,%.3f speed=%.3f driven=%.2f tour=%d "
+      "cmd=%.3f,%.3f commands=%lld map=%zu plan=%zu",
+      std::chrono::duration<double>(robot_->now()).count(), world.translation.x,
+      world.translation.y, world.yaw_rad,
+      std::abs(state.forward_mps) + std::abs(state.yaw_rate_radps),
+      state.distance_m, tour_ != nullptr ? 1 : 0, command_.forward_mps,
+      command_.yaw_rate_radps, static_cast<long long>(commands_), map_cells_,
+      plan_poses_);
   const auto tell_off = [this](const char* name,
                                const geometry::Rigid2& map_from_base) {
     const geometry::Rigid2 off = TrueMapFromBase().Inverse() * map_from_base;
@@ -492,11 +500,11 @@ void SimulatedRobot::Tell() {
                               conversions::RigidOf(place_->pose.pose).value()));
   }
   if (frames_.has_value()) {
-    tell_off("tf_off",
-             geometry::PlanarPose(
-                 conversions::RigidOf(frames_->transforms.at(0).transform)
-                     .value()) *
-                 odom_from_base_);
+    tell_off(
+        "tf_off",
+        geometry::PlanarPose(
+            conversions::RigidOf(frames_->transforms.at(0).transform).value()) *
+            odom_from_base_);
   }
   for (const auto& [name, message] : diagnostics_) {
     std::printf(" [%s=%s]", name.c_str(), message.c_str());
@@ -531,8 +539,7 @@ int Play(int domain_id, const std::string& world, double pace, double camera_hz,
   const auto start = simulator::StartOf(scenario, *made);
   if (!start.ok()) return fail(start.status());
   scenario.options.start = *start;
-  auto robot =
-      simulator::Simulator::Create(*std::move(made), scenario.options);
+  auto robot = simulator::Simulator::Create(*std::move(made), scenario.options);
   if (!robot.ok()) return fail(robot.status());
   const auto domain = dds::Domain::Join({.id = domain_id, .interface = "lo"});
   if (!domain.ok()) return fail(domain.status());

@@ -93,7 +93,13 @@ absl::Status RosRobot::AdvertiseBase(bool drives) {
           [](const core::VelocityCommand&) {
             return absl::FailedPreconditionError("nobody may drive the robot");
           },
-      .listeners = [] { return 1; }};
+      .listeners = [] { return 1; },
+      // Whoever drives by a clock that stands does not see the time pass.
+      .obstacle = [this]() -> absl::Status {
+        if (time_.is_running()) return absl::OkStatus();
+        return absl::UnavailableError(
+            "nothing comes on /clock: the robot stands");
+      }};
   if (drives) {
     TL_ASSIGN_OR_RETURN(cmd_vel_,
                         node_->Advertise(config_.cmd_vel,
@@ -112,19 +118,13 @@ absl::Status RosRobot::AdvertiseBase(bool drives) {
 }
 
 absl::Status RosRobot::Send(const core::VelocityCommand& command) {
-  // Whoever drives by a clock that stands does not see the time pass.
-  const bool is_running = time_.is_running();
-  const messages::Twist twist =
-      is_running ? TwistOf(command) : messages::Twist();
-  TL_RETURN_IF_ERROR(
-      config_.is_cmd_vel_stamped
-          ? cmd_vel_->Publish(messages::Encode(messages::TwistStamped{
-                .header = {.stamp = time_.StampOf(time_.Now()),
-                           .frame_id = config_.base_frame},
-                .twist = twist}))
-          : cmd_vel_->Publish(messages::Encode(twist)));
-  if (is_running) return absl::OkStatus();
-  return absl::UnavailableError("nothing comes on /clock: the robot stands");
+  if (!config_.is_cmd_vel_stamped) {
+    return cmd_vel_->Publish(messages::Encode(TwistOf(command)));
+  }
+  return cmd_vel_->Publish(messages::Encode(
+      messages::TwistStamped{.header = {.stamp = time_.StampOf(time_.Now()),
+                                        .frame_id = config_.base_frame},
+                             .twist = TwistOf(command)}));
 }
 
 absl::Status RosRobot::Subscribe() {

@@ -17,7 +17,6 @@ constexpr auto kLookUp = std::chrono::milliseconds(1);
 
 }  // namespace
 
-
 absl::StatusOr<std::unique_ptr<RosAgentRobot>> RosAgentRobot::Open(
     const std::string& config_path, const base::Clock& real_clock,
     ros_app::RosRobot::Warn warn,

@@ -37,20 +37,28 @@ void BasePort::Send(const core::VelocityCommand& command) {
 
 absl::Status BasePort::SetVelocity(const core::VelocityCommand& command) {
   const bool is_finite = IsFinite(command);
-  const core::VelocityCommand obeyed = is_finite ? command : kStand;
+  const absl::Status obstacle = wire_.obstacle();
+  const core::VelocityCommand obeyed =
+      is_finite && obstacle.ok() ? command : kStand;
   const absl::MutexLock lock(&mutex_);
   const base::MonotonicTime now = real_clock_.Now();
   given_ = now;
   if (obeyed != kStand) moved_ = now;
-  if (moved_.has_value()) Send(obeyed);
   if (moved_.has_value() && base::SecondsBetween(*moved_, now) > kStandFor_s) {
     moved_.reset();
+  }
+  if (moved_.has_value()) {
+    Send(obeyed);
+  } else {
+    // What is not tried does not fail.
+    last_error_ = absl::OkStatus();
   }
   if (!is_finite) {
     return absl::InvalidArgumentError(
         absl::StrCat("a velocity of ", command.forward_mps, " m/s and ",
                      command.yaw_rate_radps, " rad/s: the robot stands"));
   }
+  if (!obstacle.ok()) return obstacle;
   if (wire_.listeners() == 0) {
     return absl::UnavailableError(absl::StrCat("nobody listens on ", topic_));
   }
@@ -71,6 +79,7 @@ void BasePort::Watch() {
 core::DeviceHealth BasePort::Health() const {
   core::DeviceHealth health;
   const bool is_heard = wire_.listeners() > 0;
+  const absl::Status obstacle = wire_.obstacle();
   const absl::MutexLock lock(&mutex_);
   health.received = sent_;
   health.state =
@@ -79,9 +88,9 @@ core::DeviceHealth BasePort::Health() const {
     health.cause = absl::UnavailableError(
         absl::StrCat("nobody listens on ", topic_,
                      ": is the robot's controller running, in this domain?"));
-  } else if (!last_error_.ok()) {
+  } else if (!obstacle.ok() || !last_error_.ok()) {
     health.state = core::DeviceState::kLost;
-    health.cause = last_error_;
+    health.cause = obstacle.ok() ? last_error_ : obstacle;
   }
   return health;
 }

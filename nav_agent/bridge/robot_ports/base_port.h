@@ -24,6 +24,8 @@ class BasePort final : public core::BaseDriver {
     std::function<absl::Status(const core::VelocityCommand&)> send;
     // How many listen.
     std::function<int()> listeners;
+    // Why the robot may not move now; OK: it may.
+    std::function<absl::Status()> obstacle;
   };
   // real_clock must outlive it.
   BasePort(std::string topic, const base::Clock& real_clock, Wire wire);

@@ -12,9 +12,10 @@ using std::chrono::nanoseconds;
 // What is less is taken for messages out of order, or for the slow correction
 // of a clock.
 constexpr int64_t kJump_ns = 100'000'000;
-// A simulation leaps further only if its clock was set, or we heard nothing.
+// A simulation leaps further only if its clock was set, or we heard nothing for
+// a while.
 constexpr int64_t kLeap_ns = 2'000'000'000;
-constexpr double kSilent_s = 1;
+constexpr double kSilent_s = 0.5;
 
 int64_t Nanoseconds(base::MonotonicTime time) {
   return std::chrono::duration_cast<nanoseconds>(time.time_since_epoch())
@@ -67,8 +68,8 @@ void RosTime::Set(const messages::Clock& clock) {
   const int64_t step_ns = now_ns - *clock_ns_;
   if (step_ns <= 0 && step_ns > -kJump_ns) return;
   if (step_ns <= 0 || step_ns > kLeap_ns) {
-    // Time goes on from where it was.
-    shift_ns_ = Nanoseconds(NowLocked()) - now_ns;
+    // Time that has passed has passed; where it was set back, it goes on.
+    if (step_ns <= 0) shift_ns_ = Nanoseconds(NowLocked()) - now_ns;
     period_ns_ = 0;
     pace_ = 0;
     ++jumps_;

@@ -13,8 +13,8 @@
 
 namespace treeline::robot_ports {
 
-// Never goes back and never jumps, whatever the clock of the system or a
-// simulation does: who drives by it measures durations. Thread-safe.
+// Never goes back, whatever the clock of the system or a simulation does: who
+// drives by it measures durations. Thread-safe.
 class RosTime final : public base::Clock {
  public:
   // Nanoseconds since 1970 by the clock of the system, which people and NTP
@@ -28,8 +28,9 @@ class RosTime final : public base::Clock {
   // The steady clock; or that of the simulation, carried on between its
   // messages by no more than from one to the next. It stands until the first.
   base::MonotonicTime Now() const override;
-  // A message of /clock. One that goes back by 0.1 s or less came out of order
-  // and is left out.
+  // A message of /clock. One that goes back by less than 0.1 s came out of
+  // order and is left out; by more, the clock was set back, and time goes on
+  // from where it was.
   void Set(const messages::Clock& clock);
   // Looks whether the system's clock was set; to be called now and then.
   void Watch();
@@ -37,11 +38,12 @@ class RosTime final : public base::Clock {
   base::MonotonicTime TimeOf(const messages::Time& stamp) const;
   messages::Time StampOf(base::MonotonicTime time) const;
 
-  // How often the clock that stamps are of has jumped, by 0.1 s or more.
+  // How often the clock that stamps are of was set, by 0.1 s or more, or that
+  // of a simulation leapt ahead by more than 2 s.
   int64_t jumps() const;
   bool is_simulated() const { return is_simulated_; }
-  // Whether /clock has come, and not longer ago than a second of real time;
-  // always, where there is no simulation.
+  // Whether /clock has come, and not longer ago than half a second of real
+  // time; always, where there is no simulation.
   bool is_running() const;
 
  private:
