@@ -16,7 +16,7 @@ import unittest
 
 PROGRAMS = None
 # On a busy machine, that is much; nothing waits for it to pass.
-LONGEST_S = 40
+LONGEST_S = 120
 
 # A room with a screen, a niche and furniture: nowhere alike.
 WORLD = """
@@ -269,13 +269,16 @@ class RobotProgramTest(unittest.TestCase):
                 place = (1.2, 1.4) if place[0] > 2 else (4.6, 1.2)
         with self.subTest("a clock that is set, and nonsense"):
             robot.order("goal", *place, 0)
-            robot.wait_until("it drives", drives)
+            # /clock's silence was a leap, too.
+            before = robot.wait_until("it drives", drives)
             robot.order("nonsense")
             robot.order("jump", -100)
             robot.order("nonsense")
             status = self.arrives(robot, *place)
-            self.assertEqual(status["topics/clock jumps"], "1")
-            self.assertEqual(status["topics/refused"], "10")
+            self.assertEqual(int(status["topics/clock jumps"]),
+                             int(before["topics/clock jumps"]) + 1)
+            self.assertGreater(int(status["topics/refused"]),
+                               int(before["topics/refused"]) + 4)
         self.assertEqual(agent.end(), 0, "".join(agent.said))
         self.assertIn("that is no laser", "".join(agent.said))
 
