@@ -35,10 +35,10 @@ TEST(AgentReportTest, APlaceIsOnItsGroundWithItsCovariance) {
   EXPECT_EQ(place.header, header);
   EXPECT_EQ(place.pose.pose.position, (messages::Point{1, 2, 3}));
   // Yaw and pitch as two rotations, one after the other.
-  EXPECT_NEAR(place.pose.pose.orientation.z,
-              std::sin(0.25) * std::cos(0.05), 1e-9);
-  EXPECT_NEAR(place.pose.pose.orientation.y,
-              std::cos(0.25) * std::sin(0.05), 1e-9);
+  EXPECT_NEAR(place.pose.pose.orientation.z, std::sin(0.25) * std::cos(0.05),
+              1e-9);
+  EXPECT_NEAR(place.pose.pose.orientation.y, std::cos(0.25) * std::sin(0.05),
+              1e-9);
   const auto& covariance = place.pose.covariance;
   EXPECT_EQ(covariance[0], 0.01);
   EXPECT_EQ(covariance[1], 0.02);

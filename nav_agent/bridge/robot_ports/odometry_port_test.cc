@@ -21,9 +21,8 @@ class OdometryPortTest : public ::testing::Test {
     message.header = {.stamp = testing_.Stamp(), .frame_id = "odom"};
     message.child_frame_id = "base_footprint";
     message.pose.pose = conversions::PoseOf(
-        {.rotation =
-             geometry::Rotation3::FromAxisAngle({0, 0, pose.yaw_rad}) *
-             geometry::Rotation3::FromAxisAngle({0, pitch_rad, 0}),
+        {.rotation = geometry::Rotation3::FromAxisAngle({0, 0, pose.yaw_rad}) *
+                     geometry::Rotation3::FromAxisAngle({0, pitch_rad, 0}),
          .translation = {pose.translation.x, pose.translation.y, 0}});
     return message;
   }
@@ -38,8 +37,8 @@ TEST_F(OdometryPortTest, WheelsRollAsThePosesSay) {
   const geometry::Rigid2 start = {{5, -2}, 2};
   for (int i = 0; i <= 50; ++i) {
     const double turn_rad = 0.02 * i;
-    const geometry::Rigid2 arc = {
-        {std::sin(turn_rad), 1 - std::cos(turn_rad)}, turn_rad};
+    const geometry::Rigid2 arc = {{std::sin(turn_rad), 1 - std::cos(turn_rad)},
+                                  turn_rad};
     messages::Odometry message = At(start * arc);
     message.twist.twist.linear.x = 1;
     message.twist.twist.angular.z = 1;
@@ -112,9 +111,9 @@ TEST_F(OdometryPortTest, BetweenTwoMessages) {
   EXPECT_NEAR((middle->rotation * geometry::Vec3{1, 0, 0}).y, 0.01, 1e-5);
   EXPECT_FALSE(
       port_.OdomFromBaseAt(first - std::chrono::milliseconds(1)).has_value());
-  EXPECT_NEAR(port_.OdomFromBaseAt(first + std::chrono::seconds(1))
-                  ->translation.x,
-              0.02, 1e-9);
+  EXPECT_NEAR(
+      port_.OdomFromBaseAt(first + std::chrono::seconds(1))->translation.x,
+      0.02, 1e-9);
 }
 
 TEST_F(OdometryPortTest, WhatIsNoOdometryIsCountedAndDropped) {

@@ -55,18 +55,16 @@ class TopicInputsTest : public ::testing::Test {
   void SetUp() override {
     const auto listen = [this](const messages::Header& header) {
       heard_.push_back(header.frame_id);
-      return header.frame_id.empty()
-                 ? absl::InvalidArgumentError("no frame")
-                 : absl::OkStatus();
+      return header.frame_id.empty() ? absl::InvalidArgumentError("no frame")
+                                     : absl::OkStatus();
     };
     ASSERT_TRUE(
         inputs_.Subscribe<messages::Header>("headers", {}, listen).ok());
   }
   void Come(const std::string& frame_id) {
-    node_.samples.push_back(
-        {.bytes = messages::Encode(
-             messages::Header{.stamp = {}, .frame_id = frame_id}),
-         .written_ns = 0});
+    node_.samples.push_back({.bytes = messages::Encode(messages::Header{
+                                 .stamp = {}, .frame_id = frame_id}),
+                             .written_ns = 0});
   }
   std::vector<TopicInputs::Fault> Deliver() {
     return inputs_.Deliver(std::chrono::nanoseconds(0));
