@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -39,6 +40,14 @@ messages::Twist TwistOf(const core::VelocityCommand& command) {
   twist.linear.x = command.forward_mps;
   twist.angular.z = command.yaw_rate_radps;
   return twist;
+}
+
+// Processor time of the thread that asks.
+double ThreadTime_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) +
+         1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 std::string NameOf(const std::string& frame) {
@@ -319,6 +328,7 @@ void RosRobot::Listen(const std::stop_token& stop) {
     base_->Watch();
     {
       const absl::MutexLock lock(&mutex_);
+      listening_s_ = ThreadTime_s();
       facts_.delivered = facts.delivered;
       facts_.refused = facts.refused;
     }
@@ -339,6 +349,11 @@ agent_report::TopicFacts RosRobot::Facts() const {
   facts.odometry_leaps = odometry_.leaps();
   facts.is_clock_running = time_.is_running();
   return facts;
+}
+
+double RosRobot::listening_s() const {
+  const absl::MutexLock lock(&mutex_);
+  return listening_s_;
 }
 
 double RosRobot::Delivery_ms(double share) const {

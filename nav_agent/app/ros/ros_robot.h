@@ -67,6 +67,9 @@ class RosRobot {
   agent_report::TopicFacts Facts() const;
   // Of messages, from writing to delivery: topic_inputs.h.
   double Delivery_ms(double share) const;
+  // Processor time of the thread that hands messages over; that of DDS's own
+  // threads is not in it (s).
+  double listening_s() const;
 
  private:
   RosRobot(const RosRobotConfig& config, const base::Clock& real_clock,
@@ -110,6 +113,7 @@ class RosRobot {
   std::unique_ptr<topic_inputs::TopicInputs> inputs_
       ABSL_GUARDED_BY(inputs_mutex_);
   agent_report::TopicFacts facts_ ABSL_GUARDED_BY(mutex_);
+  double listening_s_ ABSL_GUARDED_BY(mutex_) = 0;
   // The last member: it uses all of them.
   std::jthread thread_;
 };

@@ -61,6 +61,7 @@ void SayTopics(const ros_app::RosRobot& robot, logging::ProgramLog& log) {
                 .Integer("clock_jumps", facts.clock_jumps)
                 .Number("delivery_p50_ms", robot.Delivery_ms(0.5))
                 .Number("delivery_p99_ms", robot.Delivery_ms(0.99))
+                .Number("listening_s", robot.listening_s())
                 .Number("processor_s", ProcessorTime_s()));
 }
 
