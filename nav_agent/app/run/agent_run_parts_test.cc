@@ -64,7 +64,6 @@ TEST(AgentConfig, SaysWhatDoesNotFit) {
   config.hardware = "robot.yaml";
   EXPECT_THAT(config.Validate().message(), HasSubstr("--ros2 FILE"));
   config.ros2.clear();
-  config.map.clear();
   config.map = "house";
   EXPECT_TRUE(config.Validate().ok());
   config.speed = 2;
