@@ -4,16 +4,49 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
 
 namespace treeline::mcap {
 namespace {
 
+constexpr size_t kFirstRoom = size_t{1} << 20;
+
 absl::Status Failed(const char* what) {
-  return absl::DataLossError(absl::StrCat("a chunk of MCAP: ", what));
+  return absl::DataLossError(absl::StrCat("a chunk: ", what));
+}
+
+// Calls step(room, taken), which unpacks into `made` from `written` on, until
+// it says that all is done. Room grows with what was unpacked: what bytes from
+// outside announce is not believed before it is there.
+template <typename Step>
+absl::StatusOr<std::string> Unpacked(absl::string_view bytes, size_t size,
+                                     const Step& step) {
+  std::string made(std::min(size, kFirstRoom), 0);
+  size_t written = 0;
+  while (true) {
+    size_t room = made.size() - written;
+    size_t taken = bytes.size();
+    TL_ASSIGN_OR_RETURN(
+        const bool is_done,
+        step(made.data() + written, room, bytes.data(), taken));
+    written += room;
+    bytes.remove_prefix(taken);
+    if (is_done) break;
+    if (written == made.size() && made.size() < size) {
+      made.resize(std::min(size, 2 * made.size()));
+    } else if (room == 0 && taken == 0) {
+      return Failed("it ends too early, or is longer than told");
+    }
+  }
+  if (written != size || !bytes.empty()) {
+    return Failed("it is of another size than told");
+  }
+  return made;
 }
 
 absl::StatusOr<std::string> DecompressLz4(absl::string_view bytes,
@@ -24,22 +57,35 @@ absl::StatusOr<std::string> DecompressLz4(absl::string_view bytes,
   }
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)>
       context(raw, LZ4F_freeDecompressionContext);
-  std::string made(size, 0);
-  size_t written = 0;
-  while (true) {
-    size_t room = size - written;
-    size_t taken = bytes.size();
-    const size_t hint = LZ4F_decompress(context.get(), made.data() + written,
-                                        &room, bytes.data(), &taken, nullptr);
-    if (LZ4F_isError(hint) != 0) return Failed("its lz4 is broken");
-    written += room;
-    bytes.remove_prefix(taken);
-    if (hint == 0) break;
-    if (room == 0 && taken == 0) return Failed("its lz4 ends too early");
-  }
-  if (written != size || !bytes.empty())
-    return Failed("another size than told");
-  return made;
+  return Unpacked(bytes, size,
+                  [&](char* to, size_t& room, const char* from,
+                      size_t& taken) -> absl::StatusOr<bool> {
+                    const size_t hint = LZ4F_decompress(
+                        context.get(), to, &room, from, &taken, nullptr);
+                    if (LZ4F_isError(hint) != 0) {
+                      return Failed("its lz4 is broken");
+                    }
+                    return hint == 0;
+                  });
+}
+
+absl::StatusOr<std::string> DecompressZstd(absl::string_view bytes,
+                                           size_t size) {
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(
+      ZSTD_createDCtx(), ZSTD_freeDCtx);
+  if (context == nullptr) return absl::InternalError("zstd: no context");
+  return Unpacked(
+      bytes, size,
+      [&](char* to, size_t& room, const char* from,
+          size_t& taken) -> absl::StatusOr<bool> {
+        ZSTD_outBuffer out = {to, room, 0};
+        ZSTD_inBuffer in = {from, taken, 0};
+        const size_t hint = ZSTD_decompressStream(context.get(), &out, &in);
+        if (ZSTD_isError(hint) != 0) return Failed("its zstd is broken");
+        room = out.pos;
+        taken = in.pos;
+        return hint == 0;
+      });
 }
 
 }  // namespace
@@ -98,13 +144,7 @@ absl::StatusOr<std::string> Decompress(Compression compression,
     if (bytes.size() != size) return Failed("another size than told");
     return std::string(bytes);
   }
-  std::string made(size, 0);
-  const size_t got =
-      ZSTD_decompress(made.data(), size, bytes.data(), bytes.size());
-  if (ZSTD_isError(got) != 0 || got != size) {
-    return Failed("its zstd is broken, or of another size than told");
-  }
-  return made;
+  return DecompressZstd(bytes, size);
 }
 
 uint32_t Crc32(absl::string_view bytes) {

@@ -10,8 +10,6 @@
 namespace treeline::mcap {
 namespace {
 
-// Larger chunks are refused: writers make them of one or a few megabytes.
-constexpr uint64_t kMaxChunk = uint64_t{256} << 20;
 constexpr size_t kFooterBytes = kRecordHead + 20 + kMagicBytes;
 
 struct Record {
@@ -26,18 +24,6 @@ bool NextRecord(Cursor& cursor, Record& record) {
   return cursor.is_good;
 }
 
-McapMessage MessageOf(absl::string_view content, bool& is_good) {
-  Cursor cursor = {.left = content};
-  McapMessage message;
-  message.channel = cursor.Get<uint16_t>();
-  message.sequence = cursor.Get<uint32_t>();
-  message.log_time_ns = cursor.Get<uint64_t>();
-  message.publish_time_ns = cursor.Get<uint64_t>();
-  message.bytes = cursor.left;
-  is_good = cursor.is_good;
-  return message;
-}
-
 bool Is(uint8_t opcode, Opcode kind) {
   return opcode == static_cast<uint8_t>(kind);
 }
@@ -47,11 +33,12 @@ bool Is(uint8_t opcode, Opcode kind) {
 absl::StatusOr<McapReader> McapReader::Open(absl::string_view bytes) {
   const absl::string_view magic(kMagic, kMagicBytes);
   if (bytes.substr(0, kMagicBytes) != magic) {
-    return absl::DataLossError("this is no MCAP file");
+    return absl::DataLossError(
+        "this is no MCAP file: it does not begin as one");
   }
   McapReader reader(bytes);
   reader.has_summary_ = reader.ReadSummary();
-  if (!reader.has_summary_) TL_RETURN_IF_ERROR(reader.Scan());
+  if (!reader.has_summary_) reader.Scan();
   return reader;
 }
 
@@ -93,13 +80,14 @@ bool McapReader::ReadSummary() {
     Chunk chunk;
     chunk.first_ns = index.Get<uint64_t>();
     chunk.last_ns = index.Get<uint64_t>();
-    const auto at = index.Get<uint64_t>();
+    chunk.at = index.Get<uint64_t>();
     const auto size = index.Get<uint64_t>();
-    if (!index.is_good || at > bytes_.size() || size > bytes_.size() - at) {
+    if (!index.is_good || chunk.at > bytes_.size() ||
+        size > bytes_.size() - chunk.at) {
       is_whole = false;
       break;
     }
-    Cursor place = {.left = bytes_.substr(at, size)};
+    Cursor place = {.left = bytes_.substr(chunk.at, size)};
     Record found;
     is_whole &= NextRecord(place, found) && Is(found.opcode, Opcode::kChunk);
     chunk.content = found.content;
@@ -113,15 +101,20 @@ bool McapReader::ReadSummary() {
   return false;
 }
 
-absl::Status McapReader::Scan() {
+void McapReader::Scan() {
   Cursor cursor = {.left = bytes_.substr(kMagicBytes)};
   Record record;
-  while (NextRecord(cursor, record) && !Is(record.opcode, Opcode::kDataEnd)) {
-    if (Is(record.opcode, Opcode::kMessage)) loose_.push_back(record.content);
+  while (true) {
+    const uint64_t at = bytes_.size() - cursor.left.size();
+    if (!NextRecord(cursor, record) || Is(record.opcode, Opcode::kDataEnd)) {
+      return;
+    }
+    if (Is(record.opcode, Opcode::kMessage)) loose_.push_back(at);
     Learn(record.opcode, record.content);
     if (!Is(record.opcode, Opcode::kChunk)) continue;
     Cursor head = {.left = record.content};
     Chunk chunk;
+    chunk.at = at;
     chunk.first_ns = head.Get<uint64_t>();
     chunk.last_ns = head.Get<uint64_t>();
     chunk.content = record.content;
@@ -134,7 +127,6 @@ absl::Status McapReader::Scan() {
     }
     chunks_.push_back(chunk);
   }
-  return absl::OkStatus();
 }
 
 bool McapReader::Learn(uint8_t opcode, absl::string_view content) {
@@ -171,47 +163,109 @@ absl::Status McapReader::Unpack(const Chunk& chunk,
   const auto crc = cursor.Get<uint32_t>();
   const absl::string_view name = cursor.GetText();
   const absl::string_view packed = cursor.GetBytes(cursor.Get<uint64_t>());
-  if (!cursor.is_good) return absl::DataLossError("a chunk of MCAP is cut off");
-  if (size > kMaxChunk) {
-    return absl::DataLossError(absl::StrCat("a chunk of MCAP of ", size,
-                                            " bytes; at most ", kMaxChunk,
-                                            " are read"));
+  if (!cursor.is_good) return ErrorAt(chunk.at, "a chunk is cut off");
+  if (size > kMaxMcapChunk_bytes) {
+    return ErrorAt(chunk.at, absl::StrCat("a chunk of ", size, " bytes; at most ",
+                                          kMaxMcapChunk_bytes, " are read"));
   }
-  TL_ASSIGN_OR_RETURN(const Compression compression, ParseCompression(name));
-  TL_ASSIGN_OR_RETURN(records, Decompress(compression, packed, size));
+  const auto compression = ParseCompression(name);
+  if (!compression.ok()) {
+    return ErrorAt(chunk.at, compression.status().message());
+  }
+  auto unpacked = Decompress(*compression, packed, size);
+  if (!unpacked.ok()) return ErrorAt(chunk.at, unpacked.status().message());
+  records = *std::move(unpacked);
   if (crc != 0 && crc != Crc32(records)) {
-    return absl::DataLossError("a chunk of MCAP does not have its checksum");
+    return ErrorAt(chunk.at, "a chunk does not have its checksum");
   }
   return absl::OkStatus();
+}
+
+absl::Status McapReader::ErrorAt(uint64_t at, absl::string_view what) const {
+  return absl::DataLossError(absl::StrCat("MCAP: at byte ", at, " of ",
+                                          bytes_.size(), ": ", what));
+}
+
+absl::StatusOr<McapMessage> McapReader::MessageIn(
+    absl::string_view content, const McapPlace& place) const {
+  Cursor cursor = {.left = content};
+  McapMessage message;
+  message.channel = cursor.Get<uint16_t>();
+  message.sequence = cursor.Get<uint32_t>();
+  message.log_time_ns = cursor.Get<uint64_t>();
+  message.publish_time_ns = cursor.Get<uint64_t>();
+  message.bytes = cursor.left;
+  message.place = place;
+  if (cursor.is_good) return message;
+  const bool is_loose = place.chunk == McapPlace::kInNoChunk;
+  return ErrorAt(is_loose ? place.offset : chunks_[place.chunk].at,
+                 "a message is cut off");
 }
 
 absl::Status McapReader::Read(
     uint64_t from_ns, uint64_t to_ns,
     const std::function<absl::Status(const McapMessage&)>& take) {
-  const auto hand_over = [&](absl::string_view content) -> absl::Status {
-    bool is_good = true;
-    const McapMessage message = MessageOf(content, is_good);
-    if (!is_good) return absl::DataLossError("a message of MCAP is cut off");
+  const auto hand_over = [&](absl::string_view content,
+                             const McapPlace& place) -> absl::Status {
+    TL_ASSIGN_OR_RETURN(const McapMessage message, MessageIn(content, place));
     if (message.log_time_ns < from_ns || message.log_time_ns >= to_ns) {
       return absl::OkStatus();
     }
     return take(message);
   };
-  for (const absl::string_view content : loose_) {
-    TL_RETURN_IF_ERROR(hand_over(content));
+  for (const uint64_t at : loose_) {
+    Cursor cursor = {.left = bytes_.substr(at)};
+    Record record;
+    NextRecord(cursor, record);
+    TL_RETURN_IF_ERROR(
+        hand_over(record.content, {McapPlace::kInNoChunk, at}));
   }
   std::string records;
-  for (const Chunk& chunk : chunks_) {
+  for (uint32_t i = 0; i < chunks_.size(); ++i) {
+    const Chunk& chunk = chunks_[i];
     if (chunk.last_ns < from_ns || chunk.first_ns >= to_ns) continue;
     TL_RETURN_IF_ERROR(Unpack(chunk, records));
     Cursor cursor = {.left = records};
     Record record;
-    while (NextRecord(cursor, record)) {
+    while (!cursor.left.empty()) {
+      const uint64_t offset = records.size() - cursor.left.size();
+      if (!NextRecord(cursor, record)) {
+        return ErrorAt(chunk.at, absl::StrCat("a record at byte ", offset,
+                                              " of a chunk is cut off"));
+      }
       if (!Is(record.opcode, Opcode::kMessage)) continue;
-      TL_RETURN_IF_ERROR(hand_over(record.content));
+      TL_RETURN_IF_ERROR(hand_over(record.content, {i, offset}));
     }
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<McapMessage> McapReader::Fetch(const McapPlace& place) {
+  absl::string_view records = bytes_;
+  if (place.chunk != McapPlace::kInNoChunk) {
+    if (place.chunk >= chunks_.size()) {
+      return absl::OutOfRangeError("MCAP: no such chunk");
+    }
+    if (unpacked_[0].chunk != place.chunk) {
+      std::swap(unpacked_[0], unpacked_[1]);
+    }
+    if (unpacked_[0].chunk != place.chunk) {
+      unpacked_[0].chunk = McapPlace::kInNoChunk;
+      TL_RETURN_IF_ERROR(
+          Unpack(chunks_[place.chunk], unpacked_[0].records));
+      unpacked_[0].chunk = place.chunk;
+    }
+    records = unpacked_[0].records;
+  }
+  if (place.offset > records.size()) {
+    return absl::OutOfRangeError("MCAP: no such message");
+  }
+  Cursor cursor = {.left = records.substr(place.offset)};
+  Record record;
+  if (!NextRecord(cursor, record) || !Is(record.opcode, Opcode::kMessage)) {
+    return absl::OutOfRangeError("MCAP: no message is there");
+  }
+  return MessageIn(record.content, place);
 }
 
 }  // namespace treeline::mcap

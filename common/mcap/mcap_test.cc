@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/testing_folder.h"
 #include "common/mcap/mcap_compression.h"
@@ -110,6 +111,49 @@ TEST_P(McapTest, AFileThatBreaksOffIsReadAsFarAsItGoes) {
       EXPECT_EQ(values[i], static_cast<int>(i));
     }
   }
+}
+
+TEST_P(McapTest, AMessageIsReadAgainWhereItWas) {
+  const std::string file = Written();
+  auto reader = McapReader::Open(file);
+  ASSERT_TRUE(reader.ok());
+  std::vector<McapPlace> places;
+  ASSERT_TRUE(reader
+                  ->Read(0, kEver,
+                         [&](const McapMessage& message) {
+                           places.push_back(message.place);
+                           return absl::OkStatus();
+                         })
+                  .ok());
+  ASSERT_EQ(places.size(), 20U);
+  // Forwards, and to and fro between chunks.
+  for (size_t i = 0; i < 20; ++i) {
+    for (const size_t at : {i, 19 - i}) {
+      const auto message = reader->Fetch(places[at]);
+      ASSERT_TRUE(message.ok()) << message.status();
+      EXPECT_EQ(message->log_time_ns, 1000 + at);
+      EXPECT_EQ(message->bytes, std::string(250, static_cast<char>(at)));
+    }
+  }
+  for (const McapPlace wrong :
+       {McapPlace{99, 0}, McapPlace{0, 1}, McapPlace{0, 1'000'000},
+        McapPlace{McapPlace::kInNoChunk, file.size() + 1}}) {
+    EXPECT_FALSE(reader->Fetch(wrong).ok());
+  }
+}
+
+TEST_P(McapTest, AnErrorNamesTheByte) {
+  std::string file = Written();
+  file[120] = static_cast<char>(file[120] ^ 0x55);
+  auto reader = McapReader::Open(file);
+  ASSERT_TRUE(reader.ok());
+  const absl::Status status = reader->Read(
+      0, kEver, [](const McapMessage&) { return absl::OkStatus(); });
+  // The first chunk, behind magic and header.
+  const size_t header_bytes = static_cast<uint8_t>(file[9]);
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr(absl::StrCat("at byte ", 8 + 9 + header_bytes, " of ",
+                                     file.size())));
 }
 
 TEST(McapErrorsTest, OtherFilesAreNoMcap) {
