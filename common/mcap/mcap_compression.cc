@@ -31,9 +31,8 @@ absl::StatusOr<std::string> Unpacked(absl::string_view bytes, size_t size,
   while (true) {
     size_t room = made.size() - written;
     size_t taken = bytes.size();
-    TL_ASSIGN_OR_RETURN(
-        const bool is_done,
-        step(made.data() + written, room, bytes.data(), taken));
+    TL_ASSIGN_OR_RETURN(const bool is_done,
+                        step(made.data() + written, room, bytes.data(), taken));
     written += room;
     bytes.remove_prefix(taken);
     if (is_done) break;
@@ -74,18 +73,19 @@ absl::StatusOr<std::string> DecompressZstd(absl::string_view bytes,
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(
       ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (context == nullptr) return absl::InternalError("zstd: no context");
-  return Unpacked(
-      bytes, size,
-      [&](char* to, size_t& room, const char* from,
-          size_t& taken) -> absl::StatusOr<bool> {
-        ZSTD_outBuffer out = {to, room, 0};
-        ZSTD_inBuffer in = {from, taken, 0};
-        const size_t hint = ZSTD_decompressStream(context.get(), &out, &in);
-        if (ZSTD_isError(hint) != 0) return Failed("its zstd is broken");
-        room = out.pos;
-        taken = in.pos;
-        return hint == 0;
-      });
+  return Unpacked(bytes, size,
+                  [&](char* to, size_t& room, const char* from,
+                      size_t& taken) -> absl::StatusOr<bool> {
+                    ZSTD_outBuffer out = {to, room, 0};
+                    ZSTD_inBuffer in = {from, taken, 0};
+                    const size_t hint =
+                        ZSTD_decompressStream(context.get(), &out, &in);
+                    if (ZSTD_isError(hint) != 0)
+                      return Failed("its zstd is broken");
+                    room = out.pos;
+                    taken = in.pos;
+                    return hint == 0;
+                  });
 }
 
 }  // namespace

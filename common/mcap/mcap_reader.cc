@@ -165,8 +165,9 @@ absl::Status McapReader::Unpack(const Chunk& chunk,
   const absl::string_view packed = cursor.GetBytes(cursor.Get<uint64_t>());
   if (!cursor.is_good) return ErrorAt(chunk.at, "a chunk is cut off");
   if (size > kMaxMcapChunk_bytes) {
-    return ErrorAt(chunk.at, absl::StrCat("a chunk of ", size, " bytes; at most ",
-                                          kMaxMcapChunk_bytes, " are read"));
+    return ErrorAt(chunk.at,
+                   absl::StrCat("a chunk of ", size, " bytes; at most ",
+                                kMaxMcapChunk_bytes, " are read"));
   }
   const auto compression = ParseCompression(name);
   if (!compression.ok()) {
@@ -182,8 +183,8 @@ absl::Status McapReader::Unpack(const Chunk& chunk,
 }
 
 absl::Status McapReader::ErrorAt(uint64_t at, absl::string_view what) const {
-  return absl::DataLossError(absl::StrCat("MCAP: at byte ", at, " of ",
-                                          bytes_.size(), ": ", what));
+  return absl::DataLossError(
+      absl::StrCat("MCAP: at byte ", at, " of ", bytes_.size(), ": ", what));
 }
 
 absl::StatusOr<McapMessage> McapReader::MessageIn(
@@ -217,8 +218,7 @@ absl::Status McapReader::Read(
     Cursor cursor = {.left = bytes_.substr(at)};
     Record record;
     NextRecord(cursor, record);
-    TL_RETURN_IF_ERROR(
-        hand_over(record.content, {McapPlace::kInNoChunk, at}));
+    TL_RETURN_IF_ERROR(hand_over(record.content, {McapPlace::kInNoChunk, at}));
   }
   std::string records;
   for (uint32_t i = 0; i < chunks_.size(); ++i) {
@@ -251,8 +251,7 @@ absl::StatusOr<McapMessage> McapReader::Fetch(const McapPlace& place) {
     }
     if (unpacked_[0].chunk != place.chunk) {
       unpacked_[0].chunk = McapPlace::kInNoChunk;
-      TL_RETURN_IF_ERROR(
-          Unpack(chunks_[place.chunk], unpacked_[0].records));
+      TL_RETURN_IF_ERROR(Unpack(chunks_[place.chunk], unpacked_[0].records));
       unpacked_[0].chunk = place.chunk;
     }
     records = unpacked_[0].records;

@@ -9,6 +9,7 @@
 #include "common/ros2/messages/common_messages.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/nav_messages.h"
+#include "common/ros2/messages/ros1_reader.h"
 #include "common/ros2/messages/sensor_messages.h"
 
 namespace treeline::messages {
@@ -58,17 +59,21 @@ void Put(const T& value, cdr::CdrWriter& writer) {
   }
 }
 
-template <typename T>
-void Get(T& value, cdr::CdrReader& reader) {
+// Reader: cdr::CdrReader or Ros1Reader.
+template <typename T, typename Reader>
+void Get(T& value, Reader& reader) {
+  if constexpr (std::same_as<T, Header> && std::same_as<Reader, Ros1Reader>) {
+    reader.template Read<uint32_t>();  // a number in sequence
+  }
   if constexpr (Message<T>) {
     std::apply([&](auto... field) { (Get(value.*field.member, reader), ...); },
                T::Fields());
   } else if constexpr (std::same_as<T, std::string>) {
     value = reader.ReadString();
   } else if constexpr (std::same_as<T, std::byte>) {
-    value = static_cast<std::byte>(reader.Read<uint8_t>());
+    value = static_cast<std::byte>(reader.template Read<uint8_t>());
   } else if constexpr (cdr::Primitive<T>) {
-    value = reader.Read<T>();
+    value = reader.template Read<T>();
   } else {
     using Element = typename Elements<T>::Type;
     if constexpr (kIsSequence<T>) {
@@ -82,6 +87,28 @@ void Get(T& value, cdr::CdrReader& reader) {
   }
 }
 
+template <typename M, typename Reader>
+absl::StatusOr<M> DecodeBy(std::span<const uint8_t> bytes) {
+  Reader reader(bytes);
+  M message;
+  Get(message, reader);
+  if (absl::Status status = reader.Finish(); !status.ok()) {
+    return base::Annotate(status, M::kName);
+  }
+  return message;
+}
+
+template <typename Reader>
+absl::StatusOr<Header> HeaderBy(std::span<const uint8_t> bytes) {
+  Reader reader(bytes);
+  Header header;
+  Get(header, reader);
+  if (!reader.status().ok()) {
+    return base::Annotate(reader.status(), Header::kName);
+  }
+  return header;
+}
+
 }  // namespace
 
 template <Message M>
@@ -93,13 +120,20 @@ std::vector<uint8_t> Encode(const M& message) {
 
 template <Message M>
 absl::StatusOr<M> Decode(std::span<const uint8_t> bytes) {
-  cdr::CdrReader reader(bytes);
-  M message;
-  Get(message, reader);
-  if (absl::Status status = reader.Finish(); !status.ok()) {
-    return base::Annotate(status, M::kName);
-  }
-  return message;
+  return DecodeBy<M, cdr::CdrReader>(bytes);
+}
+
+template <Message M>
+absl::StatusOr<M> DecodeRos1(std::span<const uint8_t> bytes) {
+  return DecodeBy<M, Ros1Reader>(bytes);
+}
+
+absl::StatusOr<Header> DecodeHeader(std::span<const uint8_t> bytes) {
+  return HeaderBy<cdr::CdrReader>(bytes);
+}
+
+absl::StatusOr<Header> DecodeHeaderRos1(std::span<const uint8_t> bytes) {
+  return HeaderBy<Ros1Reader>(bytes);
 }
 
 template std::vector<uint8_t> Encode(const Time&);
@@ -153,5 +187,15 @@ template std::vector<uint8_t> Encode(const OccupancyGrid&);
 template absl::StatusOr<OccupancyGrid> Decode(std::span<const uint8_t>);
 template std::vector<uint8_t> Encode(const Path&);
 template absl::StatusOr<Path> Decode(std::span<const uint8_t>);
+template absl::StatusOr<PoseStamped> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<PoseWithCovarianceStamped> DecodeRos1(
+    std::span<const uint8_t>);
+template absl::StatusOr<TransformStamped> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<TFMessage> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<LaserScan> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<Image> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<CompressedImage> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<CameraInfo> DecodeRos1(std::span<const uint8_t>);
+template absl::StatusOr<Odometry> DecodeRos1(std::span<const uint8_t>);
 
 }  // namespace treeline::messages
