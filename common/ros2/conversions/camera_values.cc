@@ -212,14 +212,33 @@ absl::StatusOr<image::DepthImage> DepthOf(const messages::Image& image) {
 
 absl::StatusOr<image::DepthImage> DepthOf(
     const messages::CompressedImage& image) {
-  if (!absl::StrContains(image.format, "16UC1") ||
+  const bool is_float = absl::StrContains(image.format, "32FC1");
+  const absl::string_view bytes = TextOf(image.data);
+  // The transport "compressed" puts nothing in front.
+  if (!is_float && image::SniffFormat(bytes) == image::ImageFormat::kPng) {
+    return image::DecodeDepthPng(bytes, kMillimetre, kLimits);
+  }
+  if ((!is_float && !absl::StrContains(image.format, "16UC1")) ||
+      absl::StrContains(image.format, "rvl") ||
       image.data.size() < kCompressedDepthHeader) {
     return absl::InvalidArgumentError(absl::StrCat(
         "depth: the format \"", image.format, "\" of ", image.data.size(),
-        " bytes is not known; \"16UC1; compressedDepth png\" is"));
+        " bytes is not known; \"16UC1; compressedDepth png\" and \"32FC1; "
+        "compressedDepth png\" are"));
   }
-  return image::DecodeDepthPng(
-      TextOf(image.data).substr(kCompressedDepthHeader), kMillimetre, kLimits);
+  TL_ASSIGN_OR_RETURN(
+      image::DepthImage made,
+      image::DecodeDepthPng(bytes.substr(kCompressedDepthHeader), kMillimetre,
+                            kLimits));
+  if (!is_float) return made;
+  // Behind an int: the inverse of the depth was quantized,
+  // value = a / depth + b (compressed_depth_image_transport, codec.cpp).
+  const auto a = ValueAt<float>(image.data.data() + 4, false);
+  const auto b = ValueAt<float>(image.data.data() + 8, false);
+  for (uint16_t& value : made.values) {
+    if (value != 0) value = MillimetresOf(a / (static_cast<float>(value) - b));
+  }
+  return made;
 }
 
 }  // namespace treeline::conversions

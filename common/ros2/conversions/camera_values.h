@@ -27,7 +27,8 @@ absl::StatusOr<image::ColorImage> ColorOf(
 // "16UC1" and "mono16" in mm, "32FC1" in m (REP 118), of either byte order;
 // what was not measured becomes 0.
 absl::StatusOr<image::DepthImage> DepthOf(const messages::Image& image);
-// compressed_depth_image_transport: 12 bytes, and a PNG in mm.
+// compressed_depth_image_transport: 12 bytes, and a PNG in mm or of inverse
+// depth; or a PNG in mm alone.
 absl::StatusOr<image::DepthImage> DepthOf(
     const messages::CompressedImage& image);
 

@@ -158,5 +158,40 @@ TEST(CameraValuesTest, CompressedPictures) {
   EXPECT_FALSE(DepthOf(message).ok());
 }
 
+// As compressed_depth_image_transport quantizes floats: value = a / depth + b.
+TEST(CameraValuesTest, CompressedDepthOfFloats) {
+  constexpr float kMax_m = 10;
+  constexpr float kA = 100.0F * (100.0F + 1);
+  constexpr float kB = 1.0F - kA / kMax_m;
+  image::DepthImage coded = {.width = 3, .height = 1, .values = {0}};
+  for (const float depth_m : {1.0F, 4.0F}) {
+    coded.values.push_back(static_cast<uint16_t>(kA / depth_m + kB));
+  }
+  const std::string png = image::EncodeDepthPng(coded).value();
+  messages::CompressedImage message;
+  message.format = "32FC1; compressedDepth png";
+  message.data.assign(4, 0);
+  for (const float parameter : {kA, kB}) {
+    const auto bytes = std::bit_cast<std::array<uint8_t, 4>>(parameter);
+    message.data.insert(message.data.end(), bytes.begin(), bytes.end());
+  }
+  message.data.insert(message.data.end(), png.begin(), png.end());
+  const auto depth = DepthOf(message);
+  ASSERT_TRUE(depth.ok()) << depth.status();
+  EXPECT_EQ(depth->values[0], 0);
+  // A step of the inverse depth is depth^2 / a: 0.1 mm, and 1.6 mm at 4 m.
+  EXPECT_NEAR(depth->values[1], 1000, 1);
+  EXPECT_NEAR(depth->values[2], 4000, 2);
+}
+
+TEST(CameraValuesTest, DepthOfTheTransportForColour) {
+  const image::DepthImage depth = {.width = 2, .height = 1, .values = {700, 0}};
+  const std::string png = image::EncodeDepthPng(depth).value();
+  messages::CompressedImage message;
+  message.format = "16UC1; png compressed ";
+  message.data.assign(png.begin(), png.end());
+  EXPECT_EQ(DepthOf(message)->values, depth.values);
+}
+
 }  // namespace
 }  // namespace treeline::conversions
