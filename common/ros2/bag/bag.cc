@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "common/ros2/messages/common_messages.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/nav_messages.h"
 #include "common/ros2/messages/sensor_messages.h"
@@ -81,5 +82,21 @@ template absl::StatusOr<messages::CameraInfo> Decode(const BagTopic&,
                                                      std::span<const uint8_t>);
 template absl::StatusOr<messages::Odometry> Decode(const BagTopic&,
                                                    std::span<const uint8_t>);
+template absl::StatusOr<messages::String> Decode(const BagTopic&,
+                                                 std::span<const uint8_t>);
+template absl::StatusOr<messages::Bool> Decode(const BagTopic&,
+                                               std::span<const uint8_t>);
+template absl::StatusOr<messages::Float64> Decode(const BagTopic&,
+                                                  std::span<const uint8_t>);
+template absl::StatusOr<messages::JointState> Decode(const BagTopic&,
+                                                     std::span<const uint8_t>);
+template absl::StatusOr<messages::Imu> Decode(const BagTopic&,
+                                              std::span<const uint8_t>);
+template absl::StatusOr<messages::Twist> Decode(const BagTopic&,
+                                                std::span<const uint8_t>);
+template absl::StatusOr<messages::TwistStamped> Decode(
+    const BagTopic&, std::span<const uint8_t>);
+template absl::StatusOr<messages::Log> Decode(const BagTopic&,
+                                              std::span<const uint8_t>);
 
 }  // namespace treeline::bag

@@ -147,6 +147,48 @@ absl::StatusOr<camera::Camera> CameraOf(const messages::CameraInfo& info,
               static_cast<int>(std::min(height / bin_y, 1U << 20)), k);
 }
 
+absl::StatusOr<messages::CameraInfo> InfoOf(const camera::Camera& camera,
+                                            const messages::Header& header) {
+  using camera::CameraModel;
+  messages::CameraInfo info;
+  info.header = header;
+  info.width = static_cast<uint32_t>(camera.width());
+  info.height = static_cast<uint32_t>(camera.height());
+  info.k = {camera.fx(), 0, camera.cx(), 0, camera.fy(), camera.cy(), 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.p = {camera.fx(), 0, camera.cx(), 0, 0, camera.fy(),
+            camera.cy(), 0, 0,           0, 1, 0};
+  info.distortion_model = "plumb_bob";
+  const auto& p = camera.parameters();
+  switch (camera.model()) {
+    case CameraModel::kSimplePinhole:
+    case CameraModel::kPinhole:
+      info.d = {0, 0, 0, 0, 0};
+      return info;
+    case CameraModel::kSimpleRadial:
+      info.d = {p[3], 0, 0, 0, 0};
+      return info;
+    case CameraModel::kRadial:
+      info.d = {p[3], p[4], 0, 0, 0};
+      return info;
+    case CameraModel::kOpenCv:
+      info.d = {p[4], p[5], p[6], p[7], 0};
+      return info;
+    case CameraModel::kFullOpenCv:
+      info.distortion_model = "rational_polynomial";
+      info.d.assign(p.begin() + 4, p.begin() + 12);
+      return info;
+    case CameraModel::kOpenCvFisheye:
+      info.distortion_model = "equidistant";
+      info.d.assign(p.begin() + 4, p.begin() + 8);
+      return info;
+    default:
+      return absl::InvalidArgumentError(
+          absl::StrCat("camera_info: no model of distortion is like ",
+                       camera::CameraModelName(camera.model())));
+  }
+}
+
 absl::StatusOr<image::ColorImage> ColorOf(const messages::Image& image) {
   const auto layout = std::ranges::find_if(kLayouts, [&](const Layout& known) {
     return image.encoding == known.encoding;

@@ -17,6 +17,11 @@ namespace treeline::conversions {
 absl::StatusOr<camera::Camera> CameraOf(const messages::CameraInfo& info,
                                         bool is_rectified);
 
+// The other way. INVALID_ARGUMENT: none of ROS's models of distortion is like
+// the camera's (FOV, ...).
+absl::StatusOr<messages::CameraInfo> InfoOf(const camera::Camera& camera,
+                                            const messages::Header& header);
+
 // "rgb8", "bgr8", "rgba8", "bgra8", "mono8". INVALID_ARGUMENT names any other
 // encoding, and sizes that do not fit.
 absl::StatusOr<image::ColorImage> ColorOf(const messages::Image& image);

@@ -193,5 +193,33 @@ TEST(CameraValuesTest, DepthOfTheTransportForColour) {
   EXPECT_EQ(DepthOf(message)->values, depth.values);
 }
 
+TEST(CameraValuesTest, CamerasComeBackFromTheirInfo) {
+  for (const char* text :
+       {"PINHOLE,500,501,319.5,240",
+        "OPENCV,500,501,320,240,0.1,-0.2,0.01,0.02",
+        "FULL_OPENCV,500,501,320,240,0.1,-0.2,0.01,0.02,0.3,0.4,0.5,0.6",
+        "OPENCV_FISHEYE,500,501,320,240,0.1,0.2,0.3,0.4"}) {
+    const camera::Camera camera = *camera::Camera::Parse(text, 640, 480);
+    const auto info = InfoOf(camera, {.stamp = {}, .frame_id = "camera"});
+    ASSERT_TRUE(info.ok()) << info.status();
+    const auto again = CameraOf(*info, false);
+    ASSERT_TRUE(again.ok()) << again.status();
+    EXPECT_EQ(*again, camera) << text;
+  }
+  // With two focal lengths, as ROS has it.
+  const auto radial =
+      InfoOf(*camera::Camera::Parse("RADIAL,500,320,240,0.1,0.2", 640, 480),
+             {.stamp = {}, .frame_id = ""});
+  ASSERT_TRUE(radial.ok());
+  EXPECT_EQ(CameraOf(*radial, false)->ToString(),
+            "OPENCV,500,500,320,240,0.1,0.2,0,0");
+  EXPECT_THAT(std::string(InfoOf(*camera::Camera::Parse(
+                                     "FOV,500,500,320,240,0.9", 640, 480),
+                                 {.stamp = {}, .frame_id = ""})
+                              .status()
+                              .message()),
+              HasSubstr("FOV"));
+}
+
 }  // namespace
 }  // namespace treeline::conversions

@@ -1,4 +1,5 @@
-// Messages of builtin_interfaces, std_msgs, rosgraph_msgs and diagnostic_msgs.
+// Messages of builtin_interfaces, std_msgs, rosgraph_msgs, rcl_interfaces and
+// diagnostic_msgs.
 #ifndef COMMON_ROS2_MESSAGES_COMMON_MESSAGES_H_
 #define COMMON_ROS2_MESSAGES_COMMON_MESSAGES_H_
 
@@ -59,6 +60,59 @@ struct Empty {
   static constexpr auto Fields() {
     return std::make_tuple(Named("structure_needs_at_least_one_member",
                                  &Empty::structure_needs_at_least_one_member));
+  }
+};
+
+struct String {
+  std::string data;
+
+  bool operator==(const String&) const = default;
+  static constexpr char kName[] = "std_msgs/msg/String";
+  static constexpr auto Fields() {
+    return std::make_tuple(Named("data", &String::data));
+  }
+};
+
+struct Bool {
+  bool data = false;
+
+  bool operator==(const Bool&) const = default;
+  static constexpr char kName[] = "std_msgs/msg/Bool";
+  static constexpr auto Fields() {
+    return std::make_tuple(Named("data", &Bool::data));
+  }
+};
+
+struct Float64 {
+  double data = 0;
+
+  bool operator==(const Float64&) const = default;
+  static constexpr char kName[] = "std_msgs/msg/Float64";
+  static constexpr auto Fields() {
+    return std::make_tuple(Named("data", &Float64::data));
+  }
+};
+
+// A line of /rosout.
+struct Log {
+  static constexpr uint8_t kInfo = 20;
+
+  Time stamp;
+  uint8_t level = kInfo;
+  std::string name;
+  std::string msg;
+  std::string file;
+  std::string function;
+  uint32_t line = 0;
+
+  bool operator==(const Log&) const = default;
+  static constexpr char kName[] = "rcl_interfaces/msg/Log";
+  static constexpr auto Fields() {
+    return std::make_tuple(
+        Named("stamp", &Log::stamp), Named("level", &Log::level),
+        Named("name", &Log::name), Named("msg", &Log::msg),
+        Named("file", &Log::file), Named("function", &Log::function),
+        Named("line", &Log::line));
   }
 };
 

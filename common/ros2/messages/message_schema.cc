@@ -112,5 +112,11 @@ template std::string SchemaText<CameraInfo>();
 template std::string SchemaText<Odometry>();
 template std::string SchemaText<OccupancyGrid>();
 template std::string SchemaText<Path>();
+template std::string SchemaText<String>();
+template std::string SchemaText<Bool>();
+template std::string SchemaText<Float64>();
+template std::string SchemaText<Log>();
+template std::string SchemaText<JointState>();
+template std::string SchemaText<Imu>();
 
 }  // namespace treeline::messages

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/ros2/messages/common_messages.h"
+#include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/message_fields.h"
 
 namespace treeline::messages {
@@ -40,6 +41,49 @@ struct LaserScan {
         Named("range_max", &LaserScan::range_max),
         Named("ranges", &LaserScan::ranges),
         Named("intensities", &LaserScan::intensities));
+  }
+};
+
+// rad, rad/s; m and m/s of what slides.
+struct JointState {
+  Header header;
+  std::vector<std::string> name;
+  std::vector<double> position;
+  std::vector<double> velocity;
+  std::vector<double> effort;
+
+  bool operator==(const JointState&) const = default;
+  static constexpr char kName[] = "sensor_msgs/msg/JointState";
+  static constexpr auto Fields() {
+    return std::make_tuple(Named("header", &JointState::header),
+                           Named("name", &JointState::name),
+                           Named("position", &JointState::position),
+                           Named("velocity", &JointState::velocity),
+                           Named("effort", &JointState::effort));
+  }
+};
+
+// A covariance that begins with -1: that quantity is not measured.
+struct Imu {
+  Header header;
+  Quaternion orientation;
+  std::array<double, 9> orientation_covariance = {};
+  Vector3 angular_velocity;
+  std::array<double, 9> angular_velocity_covariance = {};
+  Vector3 linear_acceleration;
+  std::array<double, 9> linear_acceleration_covariance = {};
+
+  bool operator==(const Imu&) const = default;
+  static constexpr char kName[] = "sensor_msgs/msg/Imu";
+  static constexpr auto Fields() {
+    return std::make_tuple(
+        Named("header", &Imu::header), Named("orientation", &Imu::orientation),
+        Named("orientation_covariance", &Imu::orientation_covariance),
+        Named("angular_velocity", &Imu::angular_velocity),
+        Named("angular_velocity_covariance", &Imu::angular_velocity_covariance),
+        Named("linear_acceleration", &Imu::linear_acceleration),
+        Named("linear_acceleration_covariance",
+              &Imu::linear_acceleration_covariance));
   }
 };
 
