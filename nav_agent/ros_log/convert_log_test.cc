@@ -68,7 +68,7 @@ std::vector<LogEntry> Entries() {
                             .range_min_m = 0.125,
                             .range_max_m = 30,
                             .beam_interval_s = 0.0009765625,
-                            .scan_interval_s = 0.025},
+                            .scan_interval_s = 0.03125},
       Calibration(), Robot()};
   for (int i = 0; i < 50; ++i) {
     entries.emplace_back(
@@ -179,10 +179,10 @@ TEST_F(ConvertLogTest, WhatBothCarryComesBackFromMcap) {
   ASSERT_EQ(robots.size(), 1U);
   EXPECT_EQ(robots[0].front_m, Robot().front_m);
   EXPECT_EQ(robots[0].wheel_track_m, Robot().wheel_track_m);
-  EXPECT_LT(geometry::ErrorBetween(robots[0].base_from_laser,
-                                   Robot().base_from_laser)
-                .rotation_rad,
-            1e-12);
+  EXPECT_LT(
+      geometry::ErrorBetween(robots[0].base_from_laser, Robot().base_from_laser)
+          .rotation_rad,
+      1e-12);
   EXPECT_EQ(robots[0].base_from_laser.translation,
             Robot().base_from_laser.translation);
   EXPECT_LT(geometry::ErrorBetween(robots[0].base_from_camera,
@@ -270,7 +270,7 @@ class ForeignBagTest : public ConvertLogTest {
     recording.push_back(bag::Recorded("/tf_static", 1'000'000'000,
                                       messages::TFMessage{{mount}}));
     for (int i = 0; i < 10; ++i) {
-      const int64_t time_ns = 2'000'000'000 + 100'000'000 * i;
+      const int64_t time_ns = 2'000'000'000 + int64_t{100'000'000} * i;
       messages::Odometry odometry;
       odometry.header = header(time_ns, "odom");
       odometry.child_frame_id = "base_footprint";
