@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -14,13 +13,12 @@
 #include "common/image/decode.h"
 #include "common/ros2/conversions/camera_values.h"
 #include "common/ros2/conversions/geometry_values.h"
-#include "common/ros2/conversions/transform_history.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/nav_messages.h"
 #include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/bridge/agent_values/laser_values.h"
+#include "nav_agent/ros_log/bag_survey.h"
 #include "nav_agent/ros_log/log_topics.h"
-#include "nav_agent/ros_log/robot_text.h"
 #include "nav_agent/ros_log/wheels_of_odometry.h"
 
 namespace treeline::ros_log {
@@ -29,54 +27,6 @@ namespace {
 constexpr int64_t kSameMoment_ns = 20'000'000;
 constexpr int kJpegQuality = 95;
 constexpr size_t kDepthHeaderBytes = 12;
-
-// What the first pass finds.
-struct Survey {
-  // Messages a topic.
-  std::vector<int64_t> counts;
-  conversions::TransformHistory transforms;
-  std::map<std::string, messages::CameraInfo> cameras;
-  core::RobotModel robot;
-  bool has_robot = false;
-  // By stamp.
-  std::map<int64_t, bag::BagPlace> depth;
-  std::string depth_frame;
-  std::string base_frame = kBaseFrame;
-  std::vector<std::string> notes;
-};
-
-struct Topics {
-  std::optional<size_t> scan;
-  std::optional<size_t> odometry;
-  std::optional<size_t> color;
-  std::optional<size_t> depth;
-};
-
-std::string Listing(const bag::Bag& bag, const std::vector<int64_t>& counts) {
-  std::string text;
-  for (size_t i = 0; i < bag.topics().size(); ++i) {
-    absl::StrAppend(&text, "  ", bag.topics()[i].name, ": ", counts[i], " of ",
-                    bag.topics()[i].type, "\n");
-  }
-  return text;
-}
-
-absl::StatusOr<std::optional<size_t>> Choose(
-    const bag::Bag& bag, const std::vector<int64_t>& counts,
-    const std::string& wanted, const std::string& usual,
-    std::initializer_list<const char*> types, bool guesses) {
-  std::optional<size_t> best;
-  for (size_t i = 0; i < bag.topics().size(); ++i) {
-    const bag::BagTopic& topic = bag.topics()[i];
-    if (std::ranges::count(types, topic.type) == 0) continue;
-    if (topic.name == (wanted.empty() ? usual : wanted)) return i;
-    if (guesses && (!best || counts[i] > counts[*best])) best = i;
-  }
-  if (wanted.empty()) return best;
-  return absl::InvalidArgumentError(
-      absl::StrCat("there is no topic ", wanted, " of type ", *types.begin(),
-                   ". There are:\n", Listing(bag, counts)));
-}
 
 // "/a/image_raw/compressed" -> "/a/camera_info".
 std::string InfoBeside(std::string name) {
@@ -95,7 +45,7 @@ geometry::Rigid2 FromAbove(const geometry::Rigid3& pose) {
 // Hands over what is measured, in the second pass.
 class LogReader {
  public:
-  LogReader(bag::Bag& bag, const Topics& topics, Survey& survey,
+  LogReader(bag::Bag& bag, const BagTopics& topics, BagSurvey& survey,
             const TakeEntry& take)
       : bag_(bag),
         topics_(topics),
@@ -322,7 +272,10 @@ class LogReader {
   }
 
   std::optional<bag::BagPlace> DepthAt(int64_t stamp_ns) const {
-    const auto& depth = survey_.depth;
+    if (!topics_.depth) return std::nullopt;
+    const auto found = survey_.pictures.find(*topics_.depth);
+    if (found == survey_.pictures.end()) return std::nullopt;
+    const auto& depth = found->second;
     const auto next = depth.lower_bound(stamp_ns);
     std::optional<bag::BagPlace> best;
     double best_ns = kSameMoment_ns;
@@ -339,8 +292,8 @@ class LogReader {
   }
 
   bag::Bag& bag_;
-  const Topics& topics_;
-  Survey& survey_;
+  const BagTopics& topics_;
+  BagSurvey& survey_;
   const TakeEntry& take_;
   WheelsOfOdometry wheels_;
   std::optional<core::RangeSensorInfo> laser_;
@@ -352,49 +305,25 @@ class LogReader {
   std::set<std::string> broken_;
 };
 
-absl::Status SurveyMessage(const bag::BagTopic& topic,
-                           const bag::BagMessage& message, Survey& survey) {
-  if (topic.type == messages::TFMessage::kName) {
-    TL_ASSIGN_OR_RETURN(const auto tf,
-                        bag::Decode<messages::TFMessage>(topic, message.bytes));
-    if (absl::EndsWith(topic.name, "tf_static")) {
-      survey.transforms.AddStatic(tf);
-    } else {
-      survey.transforms.Add(tf);
-    }
-  } else if (topic.type == messages::CameraInfo::kName) {
-    if (survey.cameras.count(topic.name) > 0) return absl::OkStatus();
-    TL_ASSIGN_OR_RETURN(
-        survey.cameras[topic.name],
-        bag::Decode<messages::CameraInfo>(topic, message.bytes));
-  } else if (topic.name == kRobotTopic &&
-             topic.type == messages::String::kName) {
-    TL_ASSIGN_OR_RETURN(const auto text,
-                        bag::Decode<messages::String>(topic, message.bytes));
-    TL_ASSIGN_OR_RETURN(survey.robot, ParseRobotText(text.data));
-    survey.has_robot = true;
-  }
-  return absl::OkStatus();
-}
-
 // Where sensors are on the robot, and the cameras, before what is measured.
-absl::Status TakeDescription(const bag::Bag& bag, const Topics& topics,
-                             const std::string& scan_frame,
-                             const std::string& color_frame, int64_t time_ns,
-                             Survey& survey, const TakeEntry& take) {
+absl::Status TakeDescription(const bag::Bag& bag, const BagTopics& topics,
+                             BagSurvey& survey, const TakeEntry& take) {
   core::RobotModel robot = survey.robot;
+  const int64_t time_ns = survey.first_ns;
+  const std::string base_frame = survey.BaseFrame(topics.odometry);
+  const std::string color_frame = survey.FrameOf(topics.color);
   const auto place = [&](const std::string& frame,
                          const char* what) -> std::optional<geometry::Rigid3> {
-    auto found = survey.transforms.Find(survey.base_frame, frame, time_ns);
+    auto found = survey.transforms.Find(base_frame, frame, time_ns);
     if (found.ok()) return *found;
     survey.notes.push_back(absl::StrCat("/tf does not tell where ", what, " (",
-                                        frame, ") is on ", survey.base_frame,
+                                        frame, ") is on ", base_frame,
                                         "; it is taken to be at its origin"));
     return std::nullopt;
   };
   if (topics.scan) {
-    robot.base_from_laser =
-        place(scan_frame, "the laser").value_or(geometry::Rigid3());
+    robot.base_from_laser = place(survey.FrameOf(topics.scan), "the laser")
+                                .value_or(geometry::Rigid3());
   }
   if (topics.color) {
     const auto camera = place(color_frame, "the camera");
@@ -424,8 +353,8 @@ absl::Status TakeDescription(const bag::Bag& bag, const Topics& topics,
       TL_ASSIGN_OR_RETURN(calibration.depth,
                           conversions::CameraOf(depth_info->second, false));
     }
-    const auto color_from_depth =
-        survey.transforms.Find(color_frame, survey.depth_frame, time_ns);
+    const auto color_from_depth = survey.transforms.Find(
+        color_frame, survey.FrameOf(topics.depth), time_ns);
     if (color_from_depth.ok()) {
       calibration.color_from_depth = *color_from_depth;
     }
@@ -437,87 +366,15 @@ absl::Status TakeDescription(const bag::Bag& bag, const Topics& topics,
 
 absl::StatusOr<BagLog> ReadBagAsLog(bag::Bag& bag, const BagLogOptions& options,
                                     const TakeEntry& take) {
-  Survey survey;
-  survey.counts.resize(bag.topics().size());
-  int64_t first_ns = 0;
-  std::map<size_t, messages::Header> first_headers;
-  // Depth is looked for by stamp; which topic it is, is known afterwards.
-  std::map<size_t, std::map<int64_t, bag::BagPlace>> places;
-  TL_RETURN_IF_ERROR(bag.Read([&](const bag::BagMessage& message) {
-    const bag::BagTopic& topic = bag.topics()[message.topic];
-    ++survey.counts[message.topic];
-    if (first_ns == 0) first_ns = message.time_ns;
-    const bool is_picture = topic.type == messages::Image::kName ||
-                            topic.type == messages::CompressedImage::kName;
-    if (is_picture || first_headers.count(message.topic) == 0) {
-      const auto header = bag::DecodeHeader(topic, message.bytes);
-      if (header.ok()) first_headers.emplace(message.topic, *header);
-      if (header.ok() && is_picture) {
-        places[message.topic][messages::Nanoseconds(header->stamp)] =
-            message.place;
-      }
-    }
-    const absl::Status status = SurveyMessage(topic, message, survey);
-    if (!status.ok() && survey.notes.size() < 5) {
-      survey.notes.push_back(
-          absl::StrCat("left out: ", std::string(status.message())));
-    }
-    return absl::OkStatus();
-  }));
-  Topics topics;
-  TL_ASSIGN_OR_RETURN(topics.scan,
-                      Choose(bag, survey.counts, options.scan_topic, kScanTopic,
-                             {messages::LaserScan::kName}, true));
-  TL_ASSIGN_OR_RETURN(
-      topics.odometry,
-      Choose(bag, survey.counts, options.odometry_topic, kOdometryTopic,
-             {messages::Odometry::kName}, true));
-  if (options.with_frames) {
-    const auto pictures = {messages::CompressedImage::kName,
-                           messages::Image::kName};
-    TL_ASSIGN_OR_RETURN(topics.color,
-                        Choose(bag, survey.counts, options.color_topic,
-                               kColorTopic, pictures, false));
-    TL_ASSIGN_OR_RETURN(topics.depth,
-                        Choose(bag, survey.counts, options.depth_topic,
-                               kDepthTopic, pictures, false));
-  }
-  if (!topics.scan && !topics.color) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "there are no scans (sensor_msgs/LaserScan), and no pictures under the "
-        "names that are looked for. There are:\n",
-        Listing(bag, survey.counts)));
-  }
+  TL_ASSIGN_OR_RETURN(BagSurvey survey, SurveyBag(bag));
+  TL_ASSIGN_OR_RETURN(const BagTopics topics,
+                      ChooseTopics(bag, options, survey));
   if (!topics.odometry) {
     survey.notes.push_back(
         "there is no odometry (nav_msgs/Odometry): the log has no wheel "
         "readings");
   }
-  const auto frame_of = [&](const std::optional<size_t>& topic) {
-    return topic && first_headers.count(*topic) > 0
-               ? first_headers[*topic].frame_id
-               : std::string();
-  };
-  if (topics.depth) {
-    survey.depth = std::move(places[*topics.depth]);
-    survey.depth_frame = frame_of(topics.depth);
-  }
-  if (topics.odometry) {
-    // Its first message names the base.
-    const absl::Status stopped = bag.Read([&](const bag::BagMessage& message) {
-      if (message.topic != topics.odometry) return absl::OkStatus();
-      const auto odometry = bag::Decode<messages::Odometry>(
-          bag.topics()[message.topic], message.bytes);
-      if (odometry.ok() && !odometry->child_frame_id.empty()) {
-        survey.base_frame = odometry->child_frame_id;
-      }
-      return absl::CancelledError("enough");
-    });
-    if (!stopped.ok() && !absl::IsCancelled(stopped)) return stopped;
-  }
-  TL_RETURN_IF_ERROR(TakeDescription(bag, topics, frame_of(topics.scan),
-                                     frame_of(topics.color), first_ns, survey,
-                                     take));
+  TL_RETURN_IF_ERROR(TakeDescription(bag, topics, survey, take));
   LogReader reader(bag, topics, survey, take);
   TL_RETURN_IF_ERROR(bag.Read(
       [&](const bag::BagMessage& message) { return reader.Take(message); }));

@@ -257,6 +257,42 @@ absl::StatusOr<DepthCamera> DepthCameraOf(const RosContents& contents,
   return made;
 }
 
+// Adds the frames that have a pose, and where their pictures come from.
+void AddFrames(const RosContents& contents, const RosPictureTopic& color,
+               const RosPictureTopic* depth, const PoseSource& poses,
+               const camera::Camera& camera, const geometry::Rotation3& z_up,
+               std::unique_ptr<RosPictures> pictures, Capture& capture) {
+  int without_depth = 0;
+  for (const RosPicture& picture : color.pictures) {
+    const std::string name = absl::StrFormat(
+        "%s at %d.%09d", color.topic.name, picture.stamp_ns / 1'000'000'000,
+        std::abs(picture.stamp_ns % 1'000'000'000));
+    const auto pose =
+        contents.transforms.Find(poses.world, color.frame, picture.stamp_ns);
+    if (!pose.ok()) {
+      capture.left_out.Add("there is no pose at its time",
+                           absl::StrCat(name, ": ", pose.status().message()));
+      continue;
+    }
+    FramePlaces places = {.color = picture.place, .depth = {}};
+    if (depth != nullptr) {
+      const RosPicture* nearest = NearestTo(*depth, picture.stamp_ns);
+      if (nearest != nullptr) {
+        places.depth = nearest->place;
+      } else {
+        ++without_depth;
+      }
+    }
+    capture.frames.push_back({name, camera, Rotated(z_up, *pose)});
+    pictures->Add(places);
+  }
+  if (without_depth > 0) {
+    capture.notes.push_back(absl::StrCat(
+        without_depth, " pictures have no depth map within 20 ms"));
+  }
+  capture.pictures = std::move(pictures);
+}
+
 }  // namespace
 
 bool IsRosBag(const std::string& path) { return bag::IsBag(path); }
@@ -298,39 +334,13 @@ absl::StatusOr<Capture> OpenRosBag(const std::string& path,
                       ChoosePoses(contents, ros, color->frame));
   capture.notes.push_back(poses.description);
 
-  auto pictures = std::make_unique<RosPictures>(
-      std::move(opened), *color,
-      depth == nullptr ? std::nullopt : std::optional(*depth),
-      options.depth_unit_m > 0 ? options.depth_unit_m / kMillimetre : 1);
-  int without_depth = 0;
-  for (const RosPicture& picture : color->pictures) {
-    const std::string name = absl::StrFormat(
-        "%s at %d.%09d", color->topic.name, picture.stamp_ns / 1'000'000'000,
-        std::abs(picture.stamp_ns % 1'000'000'000));
-    const auto pose =
-        contents.transforms.Find(poses.world, color->frame, picture.stamp_ns);
-    if (!pose.ok()) {
-      capture.left_out.Add("there is no pose at its time",
-                           absl::StrCat(name, ": ", pose.status().message()));
-      continue;
-    }
-    FramePlaces places = {.color = picture.place, .depth = {}};
-    if (depth != nullptr) {
-      const RosPicture* nearest = NearestTo(*depth, picture.stamp_ns);
-      if (nearest != nullptr) {
-        places.depth = nearest->place;
-      } else {
-        ++without_depth;
-      }
-    }
-    capture.frames.push_back({name, *camera, Rotated(z_up, *pose)});
-    pictures->Add(places);
-  }
-  if (without_depth > 0) {
-    capture.notes.push_back(absl::StrCat(
-        without_depth, " pictures have no depth map within 20 ms"));
-  }
-  capture.pictures = std::move(pictures);
+  AddFrames(
+      contents, *color, depth, poses, *camera, z_up,
+      std::make_unique<RosPictures>(
+          std::move(opened), *color,
+          depth == nullptr ? std::nullopt : std::optional(*depth),
+          options.depth_unit_m > 0 ? options.depth_unit_m / kMillimetre : 1),
+      capture);
   return capture;
 }
 
