@@ -39,13 +39,13 @@
 #include "common/camera/camera.h"
 #include "common/geometry/planar_pose.h"
 #include "common/image/decode.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
+#include "common/ros2/conversions/geometry_values.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
-#include "nav_agent/bridge/messages/message_codec.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
+#include "common/ros2/messages/message_codec.h"
+#include "common/ros2/messages/nav_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
 #include "simulation/simulator/paced_runner.h"
 #include "simulation/simulator/scenario.h"
 #include "simulation/simulator/scenario_player.h"
@@ -314,7 +314,7 @@ void SimulatedRobot::PublishSensors() {
     for (const core::LaserScan& scan : laser.TakeScans()) {
       if (IsSilent("scan")) continue;
       messages::LaserScan message =
-          conversions::MessageOf(scan, laser.Info(), frame);
+          agent_values::MessageOf(scan, laser.Info(), frame);
       message.header = HeaderOf(scan.stamp, frame);
       Send(publisher, message);
     }

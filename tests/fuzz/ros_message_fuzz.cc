@@ -6,19 +6,20 @@
 #include <cstdlib>
 #include <span>
 
-#include "nav_agent/bridge/conversions/camera_values.h"
-#include "nav_agent/bridge/conversions/frame_tree.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
-#include "nav_agent/bridge/messages/message_codec.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
+#include "common/ros2/conversions/camera_values.h"
+#include "common/ros2/conversions/frame_tree.h"
+#include "common/ros2/conversions/geometry_values.h"
+#include "common/ros2/messages/message_codec.h"
+#include "common/ros2/messages/nav_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 #include "nav_agent/bridge/robot_ports/laser_port.h"
 #include "nav_agent/bridge/robot_ports/odometry_port.h"
 
 namespace {
 
 namespace messages = treeline::messages;
+namespace agent_values = treeline::agent_values;
 namespace conversions = treeline::conversions;
 namespace robot_ports = treeline::robot_ports;
 
@@ -81,8 +82,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   switch (data[0] % 10) {
     case 0:
       Try<messages::LaserScan>(bytes, [](const messages::LaserScan& scan) {
-        (void)conversions::SensorInfoOf(scan);
-        (void)conversions::ScanOf(scan);
+        (void)agent_values::SensorInfoOf(scan);
+        (void)agent_values::ScanOf(scan);
         TryLaser(scan);
       });
       break;
@@ -114,7 +115,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     case 5:
       Try<messages::OccupancyGrid>(bytes,
                                    [](const messages::OccupancyGrid& grid) {
-                                     (void)conversions::GridOf(grid);
+                                     (void)agent_values::GridOf(grid);
                                    });
       break;
     case 6:

@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
+#include "common/ros2/conversions/geometry_values.h"
 #include "nav_agent/app/bridge/bridge_topics.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
 #include "nav_agent/bridge/place_finder/place_report.h"
 
 namespace treeline::bridge_app {

@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/messages/message_codec.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
+#include "common/ros2/conversions/geometry_values.h"
+#include "common/ros2/messages/message_codec.h"
+#include "common/ros2/messages/nav_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
 
 namespace treeline::bridge_app {
 namespace {

@@ -8,10 +8,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
+#include "common/ros2/messages/common_messages.h"
+#include "common/ros2/messages/geometry_messages.h"
 #include "nav_agent/app/bridge/bridge_config.h"
 #include "nav_agent/bridge/dds/node.h"
-#include "nav_agent/bridge/messages/common_messages.h"
-#include "nav_agent/bridge/messages/geometry_messages.h"
 #include "nav_agent/bridge/place_finder/place_finder.h"
 #include "nav_agent/bridge/topic_inputs/topic_inputs.h"
 

@@ -17,13 +17,15 @@
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
 #include "nav_agent/app/map/map_live.h"
+#include "nav_agent/ros_log/convert_log.h"
 
 namespace treeline::map_app {
 namespace {
 
 constexpr const char* kFooter = R"(
 Logs: agent logs of this program (docs/reference/agent-log.md), JSON as of the
-Intel Research Lab, CARMEN. A log with RGB-D frames gives a map in space and
+Intel Research Lab, CARMEN, recordings of ROS (.mcap, .db3, .bag, the folder of
+`ros2 bag record`; other topics than /scan and /odom: `log convert`). A log with RGB-D frames gives a map in space and
 keyframes to train on; a laser alone gives a plan. With --rgbd a camera alone
 makes the map; its floor, or the largest level surface, says where up is.
 
@@ -146,13 +148,18 @@ absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   options.drive.slam.synchronous = true;
   options.drive.slam.loops.enabled = !flags.no_loops;
   options.stop = stop;
+  TL_ASSIGN_OR_RETURN(const ros_log::AsAgentLog log,
+                      ros_log::AsAgentLog::Open(flags.log, true));
+  for (const std::string& note : log.notes()) {
+    std::fprintf(stderr, "note: %s\n", note.c_str());
+  }
   absl::StatusOr<MapLogResult> result;
   {
     PhaseLine line(flags.quiet);
     options.progress = [&line](const char* phase, double part) {
       line.Show(phase, part);
     };
-    result = MapLog(flags.log, options);
+    result = MapLog(log.path(), options);
   }
   TL_RETURN_IF_ERROR(result.status());
   PrintSummary(*result);

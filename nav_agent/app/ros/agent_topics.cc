@@ -9,9 +9,9 @@
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
-#include "nav_agent/bridge/messages/message_codec.h"
+#include "common/ros2/conversions/geometry_values.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
+#include "common/ros2/messages/message_codec.h"
 
 namespace treeline::ros_app {
 namespace {
@@ -209,7 +209,7 @@ absl::Status AgentTopics::PublishMap(int level) {
     return absl::OkStatus();
   }
   level_ = level;
-  return map_->Publish(messages::Encode(conversions::MessageOf(
+  return map_->Publish(messages::Encode(agent_values::MessageOf(
       levels[static_cast<size_t>(level)].grid, InMap(robot_.time().Now()))));
 }
 

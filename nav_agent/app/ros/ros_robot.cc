@@ -11,7 +11,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/bridge/bridge_config.h"
-#include "nav_agent/bridge/messages/message_codec.h"
+#include "common/ros2/messages/message_codec.h"
 
 namespace treeline::ros_app {
 namespace {

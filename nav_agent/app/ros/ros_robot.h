@@ -16,7 +16,7 @@
 #include "common/base/clock.h"
 #include "nav_agent/app/ros/ros_robot_config.h"
 #include "nav_agent/bridge/agent_report/agent_report.h"
-#include "nav_agent/bridge/conversions/frame_tree.h"
+#include "common/ros2/conversions/frame_tree.h"
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
 #include "nav_agent/bridge/robot_ports/base_port.h"

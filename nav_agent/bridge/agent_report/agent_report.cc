@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "common/ros2/conversions/geometry_values.h"
 
 namespace treeline::agent_report {
 namespace {

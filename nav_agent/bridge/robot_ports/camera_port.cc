@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "common/ros2/conversions/geometry_values.h"
 
 namespace treeline::robot_ports {
 

@@ -10,7 +10,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/bridge/place_finder/camera_input.h"
 #include "nav_agent/bridge/robot_ports/port_health.h"
 #include "nav_agent/bridge/robot_ports/ros_time.h"

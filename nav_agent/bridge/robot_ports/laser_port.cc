@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 
 namespace treeline::robot_ports {
 namespace {
@@ -83,7 +83,7 @@ bool HasSameBeams(const core::RangeSensorInfo& a,
 absl::StatusOr<core::RangeSensorInfo> GoodInfoOf(
     const messages::LaserScan& message) {
   TL_ASSIGN_OR_RETURN(core::RangeSensorInfo info,
-                      conversions::SensorInfoOf(message));
+                      agent_values::SensorInfoOf(message));
   const double span_rad = std::abs(info.angle_increment_rad) * (info.beams - 1);
   if (info.beams < kFewestBeams || !(span_rad <= kLargestSpan_rad) ||
       !(std::abs(info.angle_min_rad) <= kLargestSpan_rad)) {
@@ -104,7 +104,7 @@ absl::Status LaserPort::Add(const messages::LaserScan& message) {
   absl::StatusOr<core::RangeSensorInfo> info = GoodInfoOf(message);
   const absl::MutexLock lock(&mutex_);
   if (!info.ok()) return health_.NoteBroken(info.status());
-  Measured measured = {.info = *info, .scan = conversions::ScanOf(message)};
+  Measured measured = {.info = *info, .scan = agent_values::ScanOf(message)};
   measured.scan.stamp = time_.TimeOf(message.header.stamp);
   if (is_upside_down_) TurnUpsideUp(measured);
   if (measured.info.angle_increment_rad < 0) TurnRound(measured);

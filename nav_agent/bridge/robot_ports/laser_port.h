@@ -9,7 +9,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/bridge/robot_ports/port_health.h"
 #include "nav_agent/bridge/robot_ports/ros_time.h"
 #include "nav_agent/core/devices.h"

@@ -12,7 +12,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/geometry/rigid2.h"
 #include "common/geometry/rigid3.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
+#include "common/ros2/messages/nav_messages.h"
 #include "nav_agent/bridge/robot_ports/port_health.h"
 #include "nav_agent/bridge/robot_ports/ros_time.h"
 #include "nav_agent/core/devices.h"

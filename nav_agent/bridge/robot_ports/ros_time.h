@@ -9,7 +9,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
-#include "nav_agent/bridge/messages/common_messages.h"
+#include "common/ros2/messages/common_messages.h"
 
 namespace treeline::robot_ports {
 

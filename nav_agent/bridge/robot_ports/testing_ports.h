@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "common/base/clock.h"
-#include "nav_agent/bridge/messages/common_messages.h"
+#include "common/ros2/messages/common_messages.h"
 #include "nav_agent/bridge/robot_ports/ros_time.h"
 
 namespace treeline::robot_ports {

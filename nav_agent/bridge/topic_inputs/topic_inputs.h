@@ -15,7 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/bridge/dds/node.h"
-#include "nav_agent/bridge/messages/message_codec.h"
+#include "common/ros2/messages/message_codec.h"
 
 namespace treeline::topic_inputs {
 

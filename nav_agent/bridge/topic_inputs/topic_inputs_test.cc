@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "nav_agent/bridge/messages/common_messages.h"
+#include "common/ros2/messages/common_messages.h"
 
 namespace treeline::topic_inputs {
 namespace {
