@@ -5,6 +5,7 @@
 #include "nav_agent/app/bridge/bridge_command.h"
 #include "nav_agent/app/doctor/doctor_command.h"
 #include "nav_agent/app/localize/localize_command.h"
+#include "nav_agent/app/log/log_command.h"
 #include "nav_agent/app/map/map_command.h"
 #include "nav_agent/app/navigate/navigate_command.h"
 #include "nav_agent/app/plan/plan_command.h"
@@ -31,6 +32,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           localize_app::AddLocalizeCommand(app),
           traversability_app::AddTraversabilityCommand(app),
           score_app::AddScoreTrajectoryCommand(app),
+          log_app::AddLogCommand(app),
           suite_app::AddSuiteCommand(app),
           bridge_app::AddBridgeCommand(app)};
 }

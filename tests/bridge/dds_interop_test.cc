@@ -5,14 +5,14 @@
 #include <memory>
 #include <string>
 
+#include "common/ros2/messages/common_messages.h"
+#include "common/ros2/messages/geometry_messages.h"
+#include "common/ros2/messages/message_codec.h"
+#include "common/ros2/messages/nav_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
 #include "nav_agent/bridge/dds/testing_domain.h"
-#include "nav_agent/bridge/messages/common_messages.h"
-#include "nav_agent/bridge/messages/geometry_messages.h"
-#include "nav_agent/bridge/messages/message_codec.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
 #include "tests/integration/process.h"
 
 namespace treeline {

@@ -22,13 +22,13 @@
 #include "common/geometry/planar_pose.h"
 #include "common/geometry/rigid3.h"
 #include "common/image/decode.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
+#include "common/ros2/conversions/geometry_values.h"
+#include "common/ros2/messages/message_codec.h"
+#include "common/ros2/messages/nav_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
-#include "nav_agent/bridge/messages/message_codec.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/localization/testing_map.h"
 
@@ -125,7 +125,7 @@ class RobotPlayer {
                   .child_frame_id = "optical",
                   .transform = conversions::TransformOf(base_from_camera_)}}});
     map_publisher_ = Make<messages::OccupancyGrid>("map", dds::kLatched);
-    Send(*map_publisher_, conversions::MessageOf(map_, Now("map")));
+    Send(*map_publisher_, agent_values::MessageOf(map_, Now("map")));
     odom_ = Make<messages::Odometry>("odom", {});
     frames_ = Make<messages::TFMessage>("/tf", {.depth = 100});
     scan_ = Make<messages::LaserScan>("scan", dds::kSensorData);
@@ -158,7 +158,8 @@ class RobotPlayer {
     core::LaserScan scan = localization::ScanOf(
         map_, laser_, MapFromBase() * geometry::PlanarPose(base_from_laser_),
         0.01, random_);
-    messages::LaserScan message = conversions::MessageOf(scan, laser_, "laser");
+    messages::LaserScan message =
+        agent_values::MessageOf(scan, laser_, "laser");
     message.header = Now("laser");
     Send(*scan_, message);
   }

@@ -25,6 +25,7 @@
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/recording/wean_map.h"
+#include "nav_agent/ros_log/convert_log.h"
 #include "nav_agent/traversability/traversability.h"
 #include "simulation/runs/localize_world.h"
 #include "simulation/worlds/world.h"
@@ -36,7 +37,8 @@ constexpr const char* kFooter = R"(
 Maps: map_server's YAML and PGM, or a map of Wean Hall (.dat, .dat.gz): one flat
 level. Or an OctoMap (.bt, .ot), or a synthetic world's name: all of its levels
 and slopes. Logs: an agent log; JSON as of the Intel Research Lab, CARMEN, or
-Wean Hall's, each of which may be compressed.
+Wean Hall's, each of which may be compressed; a recording of ROS (.mcap, .db3,
+.bag, the folder of `ros2 bag record`).
 docs/explanation/localization.md says more.
 
 Examples:
@@ -222,7 +224,12 @@ absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
 absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
   ResolveBundle(flags);
   TL_RETURN_IF_ERROR(CheckFlags(flags));
-  TL_ASSIGN_OR_RETURN(const RecordedDrive drive, ReadDrive(flags.log));
+  TL_ASSIGN_OR_RETURN(const ros_log::AsAgentLog log,
+                      ros_log::AsAgentLog::Open(flags.log, false));
+  for (const std::string& note : log.notes()) {
+    std::fprintf(stderr, "note: %s\n", note.c_str());
+  }
+  TL_ASSIGN_OR_RETURN(const RecordedDrive drive, ReadDrive(log.path()));
   TL_ASSIGN_OR_RETURN(const LocalizationMap map, MapOf(flags, drive));
   TL_ASSIGN_OR_RETURN(const LocalizationRunOptions options,
                       OptionsOf(flags, drive));

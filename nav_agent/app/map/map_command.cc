@@ -17,13 +17,15 @@
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
 #include "nav_agent/app/map/map_live.h"
+#include "nav_agent/ros_log/convert_log.h"
 
 namespace treeline::map_app {
 namespace {
 
 constexpr const char* kFooter = R"(
 Logs: agent logs of this program (docs/reference/agent-log.md), JSON as of the
-Intel Research Lab, CARMEN. A log with RGB-D frames gives a map in space and
+Intel Research Lab, CARMEN, recordings of ROS (.mcap, .db3, .bag, the folder of
+`ros2 bag record`; other topics than /scan and /odom: `log convert`). A log with RGB-D frames gives a map in space and
 keyframes to train on; a laser alone gives a plan. With --rgbd a camera alone
 makes the map; its floor, or the largest level surface, says where up is.
 
@@ -46,6 +48,7 @@ Examples:
   treeline-agent map --log intel.json --output intel --resolution 0.1
   treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
       --camera openni --output house
+  treeline-agent map --live --ros2 robot.yaml --output house
   treeline-agent map --rgbd tum:rgbd_dataset_freiburg1_room --output room)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
@@ -145,13 +148,18 @@ absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   options.drive.slam.synchronous = true;
   options.drive.slam.loops.enabled = !flags.no_loops;
   options.stop = stop;
+  TL_ASSIGN_OR_RETURN(const ros_log::AsAgentLog log,
+                      ros_log::AsAgentLog::Open(flags.log, true));
+  for (const std::string& note : log.notes()) {
+    std::fprintf(stderr, "note: %s\n", note.c_str());
+  }
   absl::StatusOr<MapLogResult> result;
   {
     PhaseLine line(flags.quiet);
     options.progress = [&line](const char* phase, double part) {
       line.Show(phase, part);
     };
-    result = MapLog(flags.log, options);
+    result = MapLog(log.path(), options);
   }
   TL_RETURN_IF_ERROR(result.status());
   PrintSummary(*result);
@@ -303,6 +311,11 @@ cli::Command AddMapCommand(CLI::App& app) {
       ->type_name("ADDRESS");
   command->add_option("--base", flags->live.base, "--live: a Segway RMP100")
       ->type_name("ADDRESS");
+  command
+      ->add_option("--ros2", flags->live.ros2,
+                   "--live: a robot that speaks ROS 2: its topics, frames and "
+                   "measures (docs/reference/ros2-robot.md)")
+      ->type_name("FILE");
   command
       ->add_option("--camera", flags->live.camera,
                    "--live: none, openni, or, with --simulate, simulated")

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/app/map/testing_drive.h"
 #include "nav_agent/app/map/trajectory_files.h"
+#include "nav_agent/ros_log/convert_log.h"
 
 namespace treeline::map_app {
 namespace {
@@ -90,6 +92,30 @@ TEST_F(MapLogTest, FramesMakeAMapInSpaceAndARecordingToTrainOn) {
   const auto trajectory = ReadTrajectory(bundle_);
   ASSERT_TRUE(trajectory.ok()) << trajectory.status();
   EXPECT_EQ(trajectory->size(), static_cast<size_t>(bundle->manifest.poses));
+}
+
+// The same drive as MCAP: same scans, wheels and pictures, same map.
+TEST_F(MapLogTest, AnMcapFileOfTheDriveMakesTheSameMap) {
+  RecordBoxDrive(log_, {});
+  const auto straight = MapLog(log_, Options());
+  ASSERT_TRUE(straight.ok()) << straight.status();
+  const std::string trajectory =
+      base::ReadFile(bundle_ + "/trajectory.txt").value();
+  const std::string mcap = folder_ + "/drive.mcap";
+  const auto converted = ros_log::ConvertLog(log_, mcap, {});
+  ASSERT_TRUE(converted.ok()) << converted.status();
+  const auto log = ros_log::AsAgentLog::Open(mcap, true);
+  ASSERT_TRUE(log.ok()) << log.status();
+  const auto result = MapLog(log->path(), Options());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->summary.keyframes, straight->summary.keyframes);
+  EXPECT_EQ(result->summary.levels, straight->summary.levels);
+  ASSERT_TRUE(result->rmse_m.has_value());
+  EXPECT_NEAR(*result->rmse_m, *straight->rmse_m, 1e-4);
+  // As many poses, at the same times.
+  const std::string again = base::ReadFile(bundle_ + "/trajectory.txt").value();
+  EXPECT_EQ(std::ranges::count(again, '\n'),
+            std::ranges::count(trajectory, '\n'));
 }
 
 TEST_F(MapLogTest, ALaserAloneMakesAPlan) {

@@ -24,6 +24,11 @@ void AddRobot(Table& table) {
              .value_name = "FILE",
              .help = "Real robot: YAML file with laser, base, camera and "
                      "measures (docs/reference/agent.md)"});
+  table.Add(&AgentConfig::ros2,
+            {.name = "ros2",
+             .value_name = "FILE",
+             .help = "Robot that speaks ROS 2: YAML file with topics, frames "
+                     "and measures (docs/reference/ros2-robot.md)"});
   table.Add(&AgentConfig::speed,
             {.name = "speed",
              .value_name = "FACTOR",
@@ -246,16 +251,16 @@ absl::StatusOr<worlds::WorldOptions> AgentConfig::SimulatedWorld() const {
 }
 
 absl::Status AgentConfig::Validate() const {
-  if (simulate.empty() == hardware.empty()) {
+  if (int{simulate.empty()} + int{hardware.empty()} + int{ros2.empty()} != 2) {
     return absl::InvalidArgumentError(
-        "give either --simulate WORLD or --hardware FILE");
+        "give one of --simulate WORLD, --hardware FILE and --ros2 FILE");
   }
-  if (map.empty() && !hardware.empty() && !by_sight) {
+  if (map.empty() && simulate.empty() && !by_sight) {
     return absl::InvalidArgumentError(
         "a real robot needs --map BUNDLE (treeline-agent map makes one), or "
         "--by-sight");
   }
-  if (!hardware.empty() && speed != 1) {
+  if (simulate.empty() && speed != 1) {
     return absl::InvalidArgumentError(
         "--speed is for simulations: a real robot has its own time");
   }

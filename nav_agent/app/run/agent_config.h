@@ -23,6 +23,7 @@ struct AgentConfig {
   // ---- the robot ----
   std::string simulate;
   std::string hardware;
+  std::string ros2;
   double speed = 1;
   bool people = true;
   std::string light;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -15,9 +17,11 @@
 #include "common/http/http_server.h"
 #include "common/http/static_files.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
+#include "nav_agent/app/ros/agent_topics.h"
 #include "nav_agent/app/run/agent_loop.h"
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
+#include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
@@ -42,6 +46,10 @@ constexpr int kHttpConnectionsForProbes = 4;
 constexpr auto kLaserLookUp = std::chrono::milliseconds(50);
 constexpr auto kLaserReport = std::chrono::seconds(5);
 
+double ProcessorTime_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
 bool HasSpoken(const core::RangeSensor& laser) {
   return laser.Info().beams > 0 ||
          laser.Health().state == core::DeviceState::kRunning;
@@ -62,6 +70,20 @@ behavior::NavigatorMap BlankMap() {
   return map;
 }
 
+void SayTopics(const ros_app::RosRobot& robot, logging::ProgramLog& log) {
+  const agent_report::TopicFacts facts = robot.Facts();
+  log.Write(logging::LogLevel::kInfo,
+            log.Event()
+                .Word("event", "topics")
+                .Integer("messages", facts.delivered)
+                .Integer("refused", facts.refused)
+                .Integer("clock_jumps", facts.clock_jumps)
+                .Number("delivery_p50_ms", robot.Delivery_ms(0.5))
+                .Number("delivery_p99_ms", robot.Delivery_ms(0.99))
+                .Number("listening_s", robot.listening_s())
+                .Number("processor_s", ProcessorTime_s()));
+}
+
 class AgentProgram {
  public:
   AgentProgram(const AgentConfig& config, logging::ProgramLog& log,
@@ -73,7 +95,8 @@ class AgentProgram {
 
  private:
   absl::Status LoadMap();
-  absl::Status MakeRobot();
+  // OK, and without a robot, if a stop was requested meanwhile.
+  absl::Status MakeRobot(const std::stop_token& stop);
   absl::Status WatchDevices();
   absl::Status ConnectServer();
   absl::Status Listen();
@@ -83,6 +106,10 @@ class AgentProgram {
   behavior::NavigatorDevices WatchedDevices();
   absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
+  // Steps wait for a simulation of somebody else's.
+  bool FollowsSimulation() const {
+    return ros_robot_ != nullptr && ros_robot_->config().use_sim_time;
+  }
 
   const AgentConfig& config_;
   logging::ProgramLog& log_;
@@ -91,6 +118,8 @@ class AgentProgram {
   std::shared_ptr<const behavior::NavigatorMap> map_;
   agent_service::AgentInfo info_;
   std::unique_ptr<AgentRobot> robot_;
+  // Of ROS 2; null: it is another.
+  ros_app::RosRobot* ros_robot_ = nullptr;
   // ---- around the devices ----
   agent_service::PictureKeeper camera_picture_{kPictureInterval};
   agent_service::PictureKeeper query_picture_{std::chrono::milliseconds(0)};
@@ -108,6 +137,7 @@ class AgentProgram {
   std::unique_ptr<agent_service::HttpApi> api_;
   std::unique_ptr<agent_service::AgentGrpcServer> grpc_;
   std::unique_ptr<http::HttpServer> http_;
+  std::unique_ptr<ros_app::AgentTopics> topics_;
 };
 
 absl::Status AgentProgram::LoadMap() {
@@ -129,7 +159,19 @@ absl::Status AgentProgram::LoadMap() {
   return absl::OkStatus();
 }
 
-absl::Status AgentProgram::MakeRobot() {
+absl::Status AgentProgram::MakeRobot(const std::stop_token& stop) {
+  if (!config_.ros2.empty()) {
+    TL_ASSIGN_OR_RETURN(std::unique_ptr<RosAgentRobot> robot,
+                        RosAgentRobot::Open(
+                            config_.ros2, real_clock_,
+                            [this](const std::string& line) {
+                              log_.Say(logging::LogLevel::kWarn, line);
+                            },
+                            announce_));
+    ros_robot_ = &robot->robot();
+    robot_ = std::move(robot);
+    return ros_robot_->WaitUntilKnown(stop);
+  }
   if (config_.hardware.empty()) {
     TL_ASSIGN_OR_RETURN(const worlds::WorldOptions world,
                         config_.SimulatedWorld());
@@ -358,18 +400,27 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
           .Text("name", info_.map_name)
           .Integer("levels", static_cast<int64_t>(map_->levels.levels.size()))
           .Integer("voxels", map_->voxels.CountOccupied()));
-  TL_RETURN_IF_ERROR(MakeRobot());
+  TL_RETURN_IF_ERROR(MakeRobot(stop));
+  if (stop.stop_requested()) return absl::OkStatus();
   TL_RETURN_IF_ERROR(WatchDevices());
   TL_RETURN_IF_ERROR(ConnectServer());
   TL_RETURN_IF_ERROR(Listen());
   if (!WaitForLasers(stop)) return absl::OkStatus();
   TL_RETURN_IF_ERROR(MakeNavigator());
   TL_RETURN_IF_ERROR(GiveOrders());
+  if (ros_robot_ != nullptr) {
+    TL_ASSIGN_OR_RETURN(
+        topics_, ros_app::AgentTopics::Start(
+                     *ros_robot_, *commands_, [this](const std::string& line) {
+                       log_.Say(logging::LogLevel::kWarn, line);
+                     }));
+  }
   AgentLoop loop(
       *robot_, *navigator_, *commands_, metrics_,
       {.camera = camera_.get(), .server = server_.get()},
       {.control_hz = kControlHz,
-       .speed = config_.speed,
+       .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
+                                    : config_.speed,
        .duration_s = config_.duration},
       real_clock_, [this](const std::string& kind, const std::string& text) {
         log_.Write(logging::LogLevel::kInfo,
@@ -379,12 +430,14 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
   loop.Run(stop);
   // Whoever watches is told before the drivers end.
   hub_.Close();
+  topics_.reset();
   if (recorder_ != nullptr) TL_RETURN_IF_ERROR(recorder_->Flush());
   log_.Write(logging::LogLevel::kInfo,
              log_.Event()
                  .Word("event", "stopped")
                  .Integer("steps", loop.steps())
                  .Integer("missed_deadlines", loop.missed_deadlines()));
+  if (ros_robot_ != nullptr) SayTopics(*ros_robot_, log_);
   return absl::OkStatus();
 }
 

@@ -5,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/bridge/conversions/camera_values.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "common/ros2/conversions/camera_values.h"
+#include "common/ros2/conversions/geometry_values.h"
 
 namespace treeline::place_finder {
 namespace {

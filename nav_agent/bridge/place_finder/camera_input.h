@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/camera/camera.h"
-#include "nav_agent/bridge/messages/sensor_messages.h"
+#include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/core/sensor_data.h"
 
 namespace treeline::place_finder {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "common/ros2/conversions/geometry_values.h"
 
 namespace treeline::place_finder {
 namespace {

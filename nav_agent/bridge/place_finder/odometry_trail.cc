@@ -6,7 +6,7 @@
 
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "common/ros2/conversions/geometry_values.h"
 
 namespace treeline::place_finder {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "nav_agent/bridge/messages/nav_messages.h"
+#include "common/ros2/messages/nav_messages.h"
 #include "nav_agent/localization/robot_tracker.h"
 
 namespace treeline::place_finder {

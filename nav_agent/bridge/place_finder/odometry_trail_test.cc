@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "common/ros2/conversions/geometry_values.h"
 
 namespace treeline::place_finder {
 namespace {

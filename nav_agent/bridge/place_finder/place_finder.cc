@@ -12,9 +12,9 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
+#include "common/ros2/conversions/geometry_values.h"
 #include "nav_agent/behavior/relocalization_parameters.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 
 namespace treeline::place_finder {
 namespace {
@@ -106,7 +106,7 @@ void PlaceFinder::BeginAnew() {
 }
 
 absl::Status PlaceFinder::Add(const messages::OccupancyGrid& map) {
-  TL_ASSIGN_OR_RETURN(core::OccupancyGrid grid, conversions::GridOf(map));
+  TL_ASSIGN_OR_RETURN(core::OccupancyGrid grid, agent_values::GridOf(map));
   TL_ASSIGN_OR_RETURN(map_, FlatMap::Make(std::move(grid)));
   lost_.reset();
   state_.has_map = true;
@@ -115,10 +115,10 @@ absl::Status PlaceFinder::Add(const messages::OccupancyGrid& map) {
 
 absl::Status PlaceFinder::Add(const messages::LaserScan& scan) {
   TL_ASSIGN_OR_RETURN(const core::RangeSensorInfo info,
-                      conversions::SensorInfoOf(scan));
+                      agent_values::SensorInfoOf(scan));
   TL_ASSIGN_OR_RETURN(const geometry::Rigid3 base_from_laser,
                       frames_.Find(options_.base_frame, scan.header.frame_id));
-  PlacedScan placed = {.scan = conversions::ScanOf(scan),
+  PlacedScan placed = {.scan = agent_values::ScanOf(scan),
                        .info = info,
                        .base_from_laser = base_from_laser,
                        .odom_from_base = {}};

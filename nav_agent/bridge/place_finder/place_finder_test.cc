@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "common/geometry/planar_pose.h"
-#include "nav_agent/bridge/conversions/geometry_values.h"
-#include "nav_agent/bridge/conversions/laser_values.h"
+#include "common/ros2/conversions/geometry_values.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 #include "nav_agent/bridge/place_finder/place_report.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/localization/testing_map.h"
@@ -85,7 +85,7 @@ class PlaceFinderTest : public ::testing::Test {
 
   void PutMap() {
     ASSERT_TRUE(finder_
-                    ->Add(conversions::MessageOf(
+                    ->Add(agent_values::MessageOf(
                         map_, {.stamp = {}, .frame_id = "map"}))
                     .ok());
   }
@@ -107,7 +107,7 @@ class PlaceFinderTest : public ::testing::Test {
           random_);
       scan.stamp = conversions::TimeOf(header.stamp);
       EXPECT_TRUE(finder_
-                      ->Add(conversions::MessageOf(
+                      ->Add(agent_values::MessageOf(
                           scan, localization::TestingLaser(), "laser"))
                       .ok());
     }

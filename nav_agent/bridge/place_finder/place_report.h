@@ -2,7 +2,7 @@
 #ifndef NAV_AGENT_BRIDGE_PLACE_FINDER_PLACE_REPORT_H_
 #define NAV_AGENT_BRIDGE_PLACE_FINDER_PLACE_REPORT_H_
 
-#include "nav_agent/bridge/messages/common_messages.h"
+#include "common/ros2/messages/common_messages.h"
 #include "nav_agent/bridge/place_finder/place_finder.h"
 
 namespace treeline::place_finder {

@@ -49,6 +49,37 @@ void AddCaptureFlags(CLI::App& command, CaptureFlags& flags,
   in_group(command.add_flag(
       "--keep-turn", flags.keep_turn,
       "Leave pictures as they are stored, even on their side"));
+  constexpr const char* kRos = "Recordings of ROS (topics are guessed)";
+  struct RosFlag {
+    const char* name;
+    std::string* value;
+    const char* help;
+    const char* type;
+  };
+  capture::RosOptions& ros = flags.open.ros;
+  for (const RosFlag& flag :
+       {RosFlag{"--color-topic", &ros.color_topic, "Colour pictures", "TOPIC"},
+        RosFlag{"--depth-topic", &ros.depth_topic, "Depth maps", "TOPIC|none"},
+        RosFlag{"--camera-info", &ros.camera_info,
+                "Calibration of the colour camera", "TOPIC"},
+        RosFlag{"--depth-camera-info", &ros.depth_camera_info,
+                "Calibration of the depth camera", "TOPIC"},
+        RosFlag{"--pose-topic", &ros.pose_topic,
+                "Where poses come from: /tf, or a topic of Odometry, "
+                "PoseStamped or PoseWithCovarianceStamped",
+                "tf|TOPIC"},
+        RosFlag{"--pose-frame", &ros.pose_frame,
+                "Which frame that topic tells of (default: what it says, "
+                "or the camera's)",
+                "FRAME"},
+        RosFlag{"--world-frame", &ros.world_frame,
+                "The frame of /tf that poses are in (default: map, world, "
+                "odom or the topmost)",
+                "FRAME"}}) {
+    command.add_option(flag.name, *flag.value, flag.help)
+        ->type_name(flag.type)
+        ->group(kRos);
+  }
   constexpr const char* kPictures = "Photographs and videos";
   command
       .add_option("--distance", flags.photographs.distance,

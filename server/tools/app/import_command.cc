@@ -45,6 +45,7 @@ Examples:
   treeline import capture.r3d --output office --every 3 --max-side 960
   treeline import polycam-raw --output office --min-confidence 2
   treeline import nerf/transforms.json --output scan --up y
+  treeline import walk.mcap --output office --every 6
   treeline import photographs --output square \
       --distance IMG_0012.jpg,IMG_0031.jpg,4.2
   treeline import walk.mp4 --output square

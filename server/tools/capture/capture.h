@@ -32,7 +32,8 @@ struct Pictures {
   // The JPEG or PNG file that color was decoded from; empty: there is none.
   std::string encoded_color;
   // Along the optical axis, in mm, without what the capture calls uncertain.
-  // It has the field of view of the colour camera and its pose.
+  // It has the field of view of the colour camera and its pose, unless
+  // Capture::depth and Capture::color_from_depth say otherwise.
   std::optional<image::DepthImage> depth;
 };
 
@@ -70,9 +71,25 @@ struct Capture {
   // The depth camera, where the capture has one; else it is the colour camera
   // at the size of the depth map.
   std::optional<camera::Camera> depth;
+  // Where that one is; at the same place unless the capture says otherwise.
+  geometry::Rigid3 color_from_depth;
   LeftOut left_out;
   // What was taken for granted and what was converted, for people to read.
   std::vector<std::string> notes;
+};
+
+// Which topics of a recording of ROS are taken; empty: a guess.
+struct RosOptions {
+  std::string color_topic{};
+  std::string depth_topic{};  // "none": no depth
+  std::string camera_info{};
+  std::string depth_camera_info{};
+  // "tf", or a topic of Odometry, PoseStamped or PoseWithCovarianceStamped.
+  std::string pose_topic{};
+  // Which frame that topic tells of: what it says itself, or the camera's.
+  std::string pose_frame{};
+  // For /tf: the frame that poses are in.
+  std::string world_frame{};
 };
 
 // How a capture is read.
@@ -85,6 +102,7 @@ struct OpenOptions {
   // The axis of the capture's world that points up: "x", "-y" and so on. Empty:
   // what the format says.
   std::string up;
+  RosOptions ros{};
 
   absl::Status Validate() const;
 };

@@ -10,6 +10,7 @@
 #include "common/base/status_macros.h"
 #include "server/tools/capture/arkit_json.h"
 #include "server/tools/capture/record3d.h"
+#include "server/tools/capture/ros_bag.h"
 #include "server/tools/capture/scannet.h"
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/transforms_json.h"
@@ -30,6 +31,8 @@ constexpr CaptureFormat kFormats[] = {
      IsScanNet, OpenScanNet},
     {"nerfstudio", "nerfstudio, instant-ngp: transforms.json, or its folder",
      IsTransforms, OpenTransforms},
+    {"rosbag", "ROS: NAME.mcap, .db3, .bag, or the folder of ros2 bag record",
+     IsRosBag, OpenRosBag},
 };
 
 std::string Names() {

@@ -131,6 +131,11 @@ class Writer {
     calibration.color = image::Turned(written_camera_, turn_);
     calibration.depth =
         image::Turned(depth_camera_.value_or(written_camera_), turn_);
+    const geometry::Rigid3 turned_from_camera{image::TurnedFromCamera(turn_),
+                                              {}};
+    calibration.color_from_depth = turned_from_camera *
+                                   capture_->color_from_depth *
+                                   turned_from_camera.Inverse();
     calibration.pose_sensor = camera::RgbdSensor::kColor;
     result_.notes = Notes();
     std::string train;

@@ -13,6 +13,7 @@
 #include "server/tools/capture/open_capture.h"
 #include "server/tools/capture/recording_writer.h"
 #include "server/tools/capture/testing_captures.h"
+#include "server/tools/capture/testing_ros_captures.h"
 
 namespace treeline::capture {
 namespace {
@@ -24,6 +25,8 @@ struct Case {
   void (*write)(const TrueScene& scene, const std::string& folder);
   // Of a picture that was encoded once, or as a frame of a video.
   int max_color_error;
+  // What the capture is called: bags are told by their endings.
+  const char* name = "capture";
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.format; }
@@ -36,8 +39,9 @@ class RoundTripTest : public testing::TestWithParam<Case> {
   }
 
   dataset::Dataset Import(const WriteOptions& options) {
-    GetParam().write(Scene(), folder_.Path("capture"));
-    auto capture = OpenCapture(folder_.Path("capture"), "auto", {});
+    const std::string path = folder_.Path(GetParam().name);
+    GetParam().write(Scene(), path);
+    auto capture = OpenCapture(path, "auto", {});
     EXPECT_TRUE(capture.ok()) << capture.status();
     EXPECT_EQ(capture->format, GetParam().format);
     const auto written =
@@ -170,15 +174,19 @@ TEST_P(RoundTripTest, AChangedSizeKeepsTheFieldOfView) {
   ExpectSameCamera(dataset.calibration().depth, Scene().calibration.depth);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, RoundTripTest,
-                         testing::Values(Case{"nerfstudio", WriteNerfstudio,
-                                              12},
-                                         Case{"stray", WriteStray, 12},
-                                         Case{"stray", WriteStrayVideo, 25},
-                                         Case{"record3d", WriteRecord3d, 12},
-                                         Case{"polycam", WritePolycam, 12},
-                                         Case{"3dscanner", WriteScannerApp, 12},
-                                         Case{"scannet", WriteScanNet, 12}));
+INSTANTIATE_TEST_SUITE_P(
+    Formats, RoundTripTest,
+    testing::Values(Case{"nerfstudio", WriteNerfstudio, 12},
+                    Case{"stray", WriteStray, 12},
+                    Case{"stray", WriteStrayVideo, 25},
+                    Case{"record3d", WriteRecord3d, 12},
+                    Case{"polycam", WritePolycam, 12},
+                    Case{"3dscanner", WriteScannerApp, 12},
+                    Case{"scannet", WriteScanNet, 12},
+                    Case{"rosbag", WriteRosMcap, 12, "capture.mcap"},
+                    Case{"rosbag", WriteRosMcapFolder, 12},
+                    Case{"rosbag", WriteRosSqlite, 12},
+                    Case{"rosbag", WriteRos1, 12, "capture.bag"}));
 
 }  // namespace
 }  // namespace treeline::capture
