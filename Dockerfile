@@ -54,13 +54,14 @@ LABEL org.opencontainers.image.title="Treeline" \
       org.opencontainers.image.base.name="docker.io/library/debian:bookworm-slim"
 
 # -----------------------------------------------------------------------------
-# Learns scenes and measures: not on a server.
+# Learns scenes and measures: not on a server. COLMAP is a program that
+# `treeline learn` runs for photographs and videos; nothing links it.
 FROM base AS tools
 COPY --from=build /out/packages-tools.txt /usr/share/treeline/
 RUN apt-get update -q && \
     xargs -a /usr/share/treeline/packages-tools.txt \
       env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends && \
+      apt-get install -q -y --no-install-recommends colmap && \
     rm -rf /var/lib/apt/lists/*
 COPY --from=build /src/server/models /usr/share/treeline/models
 COPY --from=build /out/treeline /out/treeline-client /usr/local/bin/

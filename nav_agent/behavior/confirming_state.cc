@@ -1,5 +1,7 @@
 #include "nav_agent/behavior/confirming_state.h"
 
+#include <algorithm>
+
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/relocalization_parts.h"
@@ -107,9 +109,9 @@ ConfirmingState::Result ConfirmingState::Step(const RelocalizationInput& input,
   if (has_turned) return {};
   return {.outcome = Outcome::kOpen,
           .why = "",
-          .wanted = tools.swing.Step(*motion, input,
-                                     kConfirmTurnShare * options.turn_radps,
-                                     options.move_mps)};
+          .wanted = tools.swing.Step(
+              *motion, input, std::min(kConfirmTurn_radps, options.turn_radps),
+              options.move_mps)};
 }
 
 }  // namespace treeline::behavior

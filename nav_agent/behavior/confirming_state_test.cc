@@ -120,7 +120,7 @@ TEST_F(ConfirmingStateTest, TheVerdictMustNotSayLost) {
   tracker_.lost_verdict.probability = 0.31;
   EXPECT_EQ(Run(), Outcome::kRefuted);
   EXPECT_EQ(why_, "it was not confirmed in time");
-  EXPECT_NEAR(took_s_, 8, 0.1);
+  EXPECT_NEAR(took_s_, kMaxConfirming_s, 0.1);
 }
 
 TEST_F(ConfirmingStateTest, WithoutRoomToTurnItNeedsASecondView) {

@@ -13,6 +13,7 @@
 #include "nav_agent/behavior/relocalization_parameters.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/relocalization.h"
+#include "nav_agent/core/robot_model.h"
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/localization/scan_fit.h"
 
@@ -26,9 +27,10 @@ struct FixGateOptions {
   // The camera's tilt and what the inertial sensor says of it (rad).
   double max_tilt_rad = kMaxTiltError_rad;
   // The base stands on ground within this of where it is, up or down (m), and
-  // not nearer to an obstacle than this (m).
+  // not nearer to an obstacle than its front is, less what the fix may be off
+  // (m).
   double max_height_error_m = kMaxFixHeight_m;
-  double min_clearance_m = kMinFixClearance_m;
+  double min_clearance_m = core::RobotModel().front_m - kFixSearch_m;
   // Of the newest scan at the fix: least share that the map explains and most
   // that passes through it, to be taken at all; and to be sure.
   double min_explained = kMinFixExplained;

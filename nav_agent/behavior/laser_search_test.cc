@@ -160,8 +160,8 @@ TEST_F(LaserSearchTest, AsksNowAndThen) {
   EXPECT_NEAR(took_s_, 4, 0.1);
   // One that failed last is asked less often.
   server_.has_failed = true;
-  EXPECT_EQ(Run(20), Outcome::kAsks);
-  EXPECT_NEAR(took_s_, 15, 0.1);
+  EXPECT_EQ(Run(30), Outcome::kAsks);
+  EXPECT_NEAR(took_s_, kAskFailedInterval_s, 0.1);
   // And not while it thinks.
   server_.is_asked = true;
   EXPECT_EQ(Run(20), Outcome::kOpen);

@@ -21,14 +21,11 @@ double WorthOf(double range_m) {
     return (range_m - kMinWorthRange_m) /
            (kFullWorthRange_m - kMinWorthRange_m);
   }
-  if (range_m <= kFarWorthRange_m) return 1;
-  return std::max(kMinFarWorth.value,
-                  1 - (range_m - kFarWorthRange_m) / kWorthFadeRange_m);
+  return std::min(1.0, kFarWorthRange_m / range_m);
 }
 
 // From what is seen in a field of view.
 double PriorOf(const std::vector<double>& ranges_m) {
-  if (ranges_m.size() < kMinViewBeams) return kBlindViewPrior;
   double worth = 0;
   int steps = 0;
   for (size_t i = 0; i < ranges_m.size(); ++i) {
@@ -83,6 +80,7 @@ void NextBestView::AddScan(const geometry::Rigid2& odom_from_base,
       if (std::abs(away_rad) <= kHalfView_rad)
         ranges_m.push_back(geometry::Norm(end));
     }
+    if (ranges_m.size() < kMinViewBeams) continue;
     const double prior = PriorOf(ranges_m);
     prior_[i] = is_seen_[i] ? std::max(prior_[i], prior) : prior;
     is_seen_[i] = true;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "common/base/parameter.h"
@@ -15,18 +16,12 @@ namespace treeline::behavior {
 
 // ---- The supervisor ----
 
-inline constexpr base::Parameter<double> kMaxEstimateAge_s{
-    "max_estimate_age", 0.5, "s", base::ParameterOrigin::kTuned,
-    "an older estimate tells nothing"};
 inline constexpr base::Parameter<int64_t> kSeeThroughEvery{
     "see_through_every", 4, "", base::ParameterOrigin::kTuned,
     "scans between looks through blockages"};
 inline constexpr base::Parameter<int> kSeeThroughBeamStep{
     "see_through_beam_step", 2, "", base::ParameterOrigin::kTuned,
     "beams between those that are looked at"};
-inline constexpr base::Parameter<double> kBlockageDepth_m{
-    "blockage_depth", 0.25, "m", base::ParameterOrigin::kTuned,
-    "what is seen this near to a blockage is of it"};
 inline constexpr base::Parameter<double> kMaxAskAhead_m{
     "max_ask_ahead", 1.0, "m", base::ParameterOrigin::kTuned,
     "room that a lost robot asks for"};
@@ -50,10 +45,6 @@ inline constexpr base::Parameter<double> kFrozenRetry_s{
     "of standing, then they are tried again"};
 inline constexpr base::Parameter<int> kFrozenRetries{
     "frozen_retries", 3, "", base::ParameterOrigin::kTuned, "so often"};
-inline constexpr base::Parameter<double> kMinMotion{
-    "min_motion", 0.02, "", base::ParameterOrigin::kTuned,
-    "slower wheels may repeat themselves (m/s and rad/s; and m or rad between "
-    "scans)"};
 
 // ---- Goals ----
 
@@ -84,18 +75,9 @@ inline constexpr base::Parameter<double> kArrivalDispute_s{
 inline constexpr base::Parameter<double> kBetterPathStart_m{
     "better_path_start", 0.8, "m", base::ParameterOrigin::kTuned,
     "a better path begins this near to the robot"};
-inline constexpr base::Parameter<double> kRerouteAhead_m{
-    "reroute_ahead", 0.6, "m", base::ParameterOrigin::kTuned,
-    "that counts as blocked when the robot re-routes"};
-inline constexpr base::Parameter<double> kMinWait_s{
-    "min_wait", 1, "s", base::ParameterOrigin::kTuned,
-    "a wait lasts so long, whatever has gone meanwhile"};
 inline constexpr base::Parameter<double> kMaxStepMove_m{
     "max_step_move", 0.3, "m", base::ParameterOrigin::kPhysics,
     "further means that the estimate jumped"};
-inline constexpr base::Parameter<double> kStraightSpeed_mps{
-    "straight_speed", 0.1, "m/s", base::ParameterOrigin::kTuned,
-    "faster is more than a crawl"};
 inline constexpr base::Parameter<double> kStraightYawRate_radps{
     "straight_yaw_rate", 0.2, "rad/s", base::ParameterOrigin::kTuned,
     "slower is about straight ahead"};
@@ -110,24 +92,9 @@ inline constexpr base::Parameter<double> kRefillProgress_m{
     "of getting on gives all of them back"};
 inline constexpr base::Parameter<double> kBackUp_m{
     "back_up", 0.3, "m", base::ParameterOrigin::kTuned, "of one recovery"};
-inline constexpr base::Parameter<double> kMaxBackUp_s{
-    "max_back_up", 6, "s", base::ParameterOrigin::kTuned,
-    "more than twice what that takes"};
-inline constexpr base::Parameter<double> kMaxLookAround_s{
-    "max_look_around", 16, "s", base::ParameterOrigin::kTuned,
-    "one and a half times what a full turn takes"};
-inline constexpr base::Parameter<double> kFirstWait_s{
-    "first_wait", 3, "s", base::ParameterOrigin::kTuned,
-    "doubles every third recovery"};
-inline constexpr base::Parameter<double> kMinBackUp_m{
-    "min_back_up", 0.08, "m", base::ParameterOrigin::kTuned,
-    "less is not worth it"};
 inline constexpr base::Parameter<int> kBoldAfter{
     "bold_after", 4, "", base::ParameterOrigin::kTuned,
     "recoveries; then it backs up among people, too"};
-inline constexpr base::Parameter<double> kSomebodyMoves_s{
-    "somebody_moves", 0.2, "s", base::ParameterOrigin::kTuned,
-    "less: somebody moves right now"};
 
 // ---- What stands in the way is remembered ----
 
@@ -138,16 +105,9 @@ inline constexpr base::Parameter<double> kMaxBlockageRadius_m{
     "max_blockage_radius", 0.6, "m", base::ParameterOrigin::kTuned,
     "what is larger is several; also from where the band broke to the first "
     "seen cell"};
-inline constexpr base::Parameter<double> kSameBlockage_m{
-    "same_blockage", 0.1, "m", base::ParameterOrigin::kTuned,
-    "discs this near are of one place; also the smallest that beams are to "
-    "pass"};
 inline constexpr base::Parameter<double> kBlockageMetAgain_s{
     "blockage_met_again", 2, "s", base::ParameterOrigin::kTuned,
     "the same, seen twice at once, was not met again"};
-inline constexpr base::Parameter<double> kBlockageGrowth_m{
-    "blockage_growth", 0.03, "m", base::ParameterOrigin::kTuned,
-    "one that a way around it met is so much larger"};
 inline constexpr base::Parameter<int> kSeeThroughBeams{
     "see_through_beams", 4, "", base::ParameterOrigin::kTuned,
     "that pass its middle"};
@@ -165,9 +125,6 @@ inline constexpr base::Parameter<double> kObstacleReach_m{
 inline constexpr base::Parameter<double> kObstacleGap_m{
     "obstacle_gap", 0.55, "m", base::ParameterOrigin::kGeometry,
     "parts with less between them belong together: the robot is wider"};
-inline constexpr base::Parameter<double> kDiscSpacing_m{
-    "disc_spacing", 0.2, "m", base::ParameterOrigin::kTuned,
-    "between discs, and to the one behind each: only the front is seen"};
 
 // ---- Safe stops ----
 
@@ -175,8 +132,6 @@ inline constexpr base::Parameter<double> kTiltNoise_rad{
     "tilt_noise", 0.06, "rad", base::ParameterOrigin::kMeasured,
     "of the inertial sensor while the robot brakes: beyond its max_slope_rad, "
     "or on level ground"};
-inline constexpr base::Parameter<double> kTilt_s{
-    "tilt", 0.15, "s", base::ParameterOrigin::kTuned, "for so long"};
 inline constexpr base::Parameter<double> kLateStep_s{
     "late_step", 0.3, "s", base::ParameterOrigin::kPhysics,
     "after that the base stops by itself; twelve scans of a UTM-30LX"};
@@ -200,6 +155,12 @@ inline constexpr double kBackUpTolerance_m = kArrivalSlack_m;
 
 // Without scans the robot goes on for as long as the base without commands.
 inline constexpr double kLaserTimeout_s = kLateStep_s;
+// An estimate may be late by what scans and wheels may be.
+inline constexpr double kMaxEstimateAge_s =
+    kLaserTimeout_s + kOdometryTimeout_s;
+// Lasers of a robot whose wheels have both moved by more than a range's noise
+// do not say the same (sum of both, m).
+inline constexpr double kScanMotion_m = 2 * control::kLaserNoise_m;
 // A first path is found in a tenth of what a better one takes.
 inline constexpr int kPlanIterations = planning::kMaxIterations;
 inline constexpr int kFirstPlanIterations = kPlanIterations / 10;
@@ -211,11 +172,29 @@ inline constexpr double kMaxSeeThroughHeight_m = control::kLookHeight_m;
 inline constexpr double kMaxPlan_s = kProgressTime_s;
 inline constexpr double kGoalWait_s = kProgressTime_s;
 inline constexpr double kMinProgress_m = control::kGotOn_m;
-// What is ahead of a robot that re-routes begins at its front.
+// A robot's length ahead counts as blocked when it re-routes; that begins at
+// its front.
+inline constexpr double kRerouteAhead_m = planning::kStuckReach_m;
 inline constexpr double kRerouteRadius_m = kRerouteAhead_m / 2;
 // Slow, as an escape: it has no eyes behind. And as gentle as at a goal.
-inline constexpr double kBackUp_mps = control::kEscapeSpeed_mps;
+inline constexpr double kBackUp_mps = control::kSlowSpeed_mps;
 inline constexpr double kLookAround_radps = control::kGoalTurn_radps;
+// It may take three times as long as that does, waiting for a quiet moment; and
+// one and a half times as long as a full turn (s).
+inline constexpr double kMaxBackUp_s = 3 * kBackUp_m / kBackUp_mps;
+inline constexpr double kMaxLookAround_s =
+    1.5 * 2 * std::numbers::pi / kLookAround_radps;
+// Less is not worth it: it may be the map's grid (m).
+inline constexpr double kMinBackUp_m = control::kTwoCells_m;
+// A first wait lasts until what was in the way may have gone, and any until
+// what moves counts as standing (s).
+inline constexpr double kFirstWait_s = control::kRecently_s;
+inline constexpr double kMinWait_s = control::kStandingAfter_s;
+// Somebody moves right now, or it leans right now (s).
+inline constexpr double kSomebodyMoves_s = control::kSeenNow_s;
+inline constexpr double kTilt_s = control::kSeenNow_s;
+// Faster than that is more than a creep.
+inline constexpr double kStraightSpeed_mps = control::kCreep_mps;
 // Bounds a goal's recoveries.
 inline constexpr int kMaxGivenBack = 3 * kMaxRecoveries;
 // Nobody has moved for so long: nobody is about, and what moved stands; or not
@@ -224,7 +203,15 @@ inline constexpr double kNobodyMovedFor_s = control::kQuiet_s;
 inline constexpr double kQuietMoment_s = control::kQuietMin_s;
 // As much as the local costmap widens what it sees.
 inline constexpr double kBlockageMargin_m = control::kBodyWidening_m;
+// Discs this near are of one place, which is the smallest that beams are to
+// pass; discs side by side touch; only the front is seen, and what is behind
+// that by one is of it.
+inline constexpr double kSameBlockage_m = control::kTwoCells_m;
 inline constexpr double kMinBlockageRadius_m = kSameBlockage_m;
+inline constexpr double kDiscSpacing_m = 2 * kMinBlockageRadius_m;
+inline constexpr double kBlockageDepth_m = kDiscSpacing_m;
+// One that a way around it met is larger by what ways keep of it.
+inline constexpr double kBlockageGrowth_m = planning::kPlanMargin_m;
 inline constexpr double kObstacleNear_m = kMaxBlockageRadius_m;
 
 // Something that moves counts as standing when nobody has moved for so long.

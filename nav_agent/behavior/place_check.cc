@@ -113,7 +113,7 @@ CheckFinding CompareWithFix(
     return std::sqrt(fix.covariance[i] + pose.covariance[i]);
   };
   const double agree_m =
-      std::max(kCheckAgree_m.value, 3 * std::max(deviation(0), deviation(4)));
+      std::max(kCheckAgree_m, 3 * std::max(deviation(0), deviation(4)));
   const double agree_rad = std::max(kCheckAgree_rad, 3 * deviation(8));
   const bool same_level = std::abs(finding.seen.place.height_m -
                                    pose.pose.place.height_m) < kMaxDrift_m;
@@ -123,8 +123,7 @@ CheckFinding CompareWithFix(
       "it is",
       off_m, InDegrees(off_rad));
   const double gain = ScoreOrZero(fix.fit) - ScoreOrZero(fit_at_pose);
-  const bool is_drift = same_level &&
-                        off_m <= std::max(kMaxDrift_m.value, agree_m) &&
+  const bool is_drift = same_level && off_m <= std::max(kMaxDrift_m, agree_m) &&
                         off_rad <= kMaxDrift_rad;
   if (is_drift) {
     if (gain >= kMinCorrectionGain) finding.verdict = CheckVerdict::kCorrected;

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 
 #include "common/base/parameter.h"
 #include "nav_agent/control/driving_parameters.h"
@@ -26,12 +27,6 @@ inline constexpr base::Parameter<double> kSureFixConfidence{
 inline constexpr base::Parameter<double> kMaxTiltError_rad{
     "max_tilt_error", 0.07, "rad", base::ParameterOrigin::kMeasured,
     "4 degrees; the inertial sensor is good to half a degree"};
-inline constexpr base::Parameter<double> kMaxFixHeight_m{
-    "max_fix_height", 0.25, "m", base::ParameterOrigin::kTuned,
-    "other floors are further away, errors nearer"};
-inline constexpr base::Parameter<double> kMinFixClearance_m{
-    "min_fix_clearance", 0.15, "m", base::ParameterOrigin::kTuned,
-    "the centre of the robot is never nearer to an obstacle"};
 inline constexpr base::Parameter<double> kMinFixExplained{
     "min_fix_explained", 0.5, "", base::ParameterOrigin::kTuned,
     "right places explain 0.86 to 0.98 of the beams, wrong ones 0.18 to 0.47 "
@@ -39,47 +34,33 @@ inline constexpr base::Parameter<double> kMinFixExplained{
 inline constexpr base::Parameter<double> kMaxFixContradicted{
     "max_fix_contradicted", 0.25, "", base::ParameterOrigin::kTuned,
     "right places contradict at most 0.07 of the beams, wrong ones 0.11 to "
-    "0.51 (lab)"};
+    "0.51 (lab); also what a fix may lose to where the robot thought it was"};
 inline constexpr base::Parameter<double> kSureExplained{
     "sure_explained", 0.75, "", base::ParameterOrigin::kTuned,
     "below all right places in lab; also for what the laser finds alone"};
 inline constexpr base::Parameter<double> kSureContradicted{
     "sure_contradicted", 0.08, "", base::ParameterOrigin::kTuned,
-    "just above all right places in lab"};
+    "just above all right places in lab; a fix that loses by more to where the "
+    "robot thought it was is weak"};
 inline constexpr base::Parameter<int> kMinJudgedBeams{
     "min_judged_beams", 25, "", base::ParameterOrigin::kTuned,
     "of about 120: fewer beams say nothing"};
 inline constexpr base::Parameter<double> kPairDistance_m{
     "pair_distance", 0.3, "m", base::ParameterOrigin::kTuned,
     "two fixes that agree, over the wheels' way between them; one alone may "
-    "be off by half of this"};
-inline constexpr base::Parameter<double> kPairAngle_rad{
-    "pair_angle", 0.12, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
+    "be off by half of this, and its deviation is not believed to be more"};
 inline constexpr base::Parameter<double> kMinFixStd_m{
     "min_fix_std", 0.08, "m", base::ParameterOrigin::kTuned,
     "a fix is never better known than this"};
-inline constexpr base::Parameter<double> kMaxFixStd_m{
-    "max_fix_std", 0.3, "m", base::ParameterOrigin::kTuned,
-    "a covariance that says more is not believed"};
 inline constexpr base::Parameter<double> kSamePlace_m{
     "same_place", 0.5, "m", base::ParameterOrigin::kTuned,
     "nearer places are the same one"};
 inline constexpr base::Parameter<double> kSamePlace_rad{
     "same_place", 0.35, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
-inline constexpr base::Parameter<double> kRefusedWorseThanBelief{
-    "refused_worse_than_belief", 0.25, "", base::ParameterOrigin::kTuned,
-    "scan score that a fix may lose to where the robot thought it was"};
-inline constexpr base::Parameter<double> kMaxWorseThanBelief{
-    "max_worse_than_belief", 0.08, "", base::ParameterOrigin::kTuned,
-    "from here on a fix that loses to that is weak"};
+    "the same, of the heading; also the most of a drift"};
 inline constexpr base::Parameter<double> kFitMoveCost_per_m{
     "fit_move_cost", 0.2, "1/m", base::ParameterOrigin::kTuned,
-    "score that moving a fix must gain"};
-inline constexpr base::Parameter<double> kFitTurnCost_per_rad{
-    "fit_turn_cost", 0.5, "1/rad", base::ParameterOrigin::kTuned,
-    "score that turning a fix must gain"};
+    "score that moving a fix must gain, and by the lever turning it"};
 inline constexpr base::Parameter<double> kOtherView_rad{
     "other_view", 0.3, "rad", base::ParameterOrigin::kTuned,
     "views turned by more show something else, so their odds add up"};
@@ -128,27 +109,15 @@ inline constexpr base::Parameter<double> kRecoveryTurn_radps{
 inline constexpr base::Parameter<double> kMinTurnSpeed_radps{
     "min_turn_speed", 0.12, "rad/s", base::ParameterOrigin::kTuned,
     "so that a turn comes to its end"};
-inline constexpr base::Parameter<double> kMaxTurning_s{
-    "max_turning", 12, "s", base::ParameterOrigin::kTuned,
-    "a turn to the next view takes no longer"};
 inline constexpr base::Parameter<double> kTurnStart_s{
     "turn_start", 1.5, "s", base::ParameterOrigin::kTuned,
     "who has not begun to turn by then has no room"};
 inline constexpr base::Parameter<double> kSwingBlocked_s{
     "swing_blocked", 0.6, "s", base::ParameterOrigin::kTuned,
     "who has not turned for so long swings back"};
-inline constexpr base::Parameter<double> kMinFreeAhead_m{
-    "min_free_ahead", 0.25, "m", base::ParameterOrigin::kTuned,
-    "room for a little way ahead"};
 inline constexpr base::Parameter<int> kMaxSidesBlocked{
     "max_sides_blocked", 8, "", base::ParameterOrigin::kTuned,
     "tries to go ahead"};
-inline constexpr base::Parameter<double> kHeldPlace_m{
-    "held_place", 0.15, "m", base::ParameterOrigin::kTuned,
-    "what held the robot counts from the same place only"};
-inline constexpr base::Parameter<double> kHeldMargin_rad{
-    "held_margin", 0.15, "rad", base::ParameterOrigin::kTuned,
-    "it keeps so far away from that"};
 inline constexpr base::Parameter<double> kRefusedPromise{
     "refused_promise", 0.03, "", base::ParameterOrigin::kTuned,
     "of a direction whose answer was refused"};
@@ -157,27 +126,6 @@ inline constexpr base::Parameter<double> kRefusedPromise{
 
 inline constexpr base::Parameter<int> kConfirmScans{
     "confirm_scans", 8, "", base::ParameterOrigin::kTuned, "scans in a row"};
-inline constexpr base::Parameter<double> kNewViewTurn_rad{
-    "new_view_turn", 0.5, "rad", base::ParameterOrigin::kTuned,
-    "scans that far apart are of something else"};
-inline constexpr base::Parameter<double> kMaxConfirming_s{
-    "max_confirming", 8, "s", base::ParameterOrigin::kTuned,
-    "more than such a turn takes"};
-inline constexpr base::Parameter<double> kConfirmExplained{
-    "confirm_explained", 0.6, "", base::ParameterOrigin::kTuned,
-    "less than a sure fix: people walk by"};
-inline constexpr base::Parameter<double> kConfirmContradicted{
-    "confirm_contradicted", 0.15, "", base::ParameterOrigin::kTuned,
-    "the same"};
-inline constexpr base::Parameter<double> kConfirmTurnShare{
-    "confirm_turn_share", 0.6, "", base::ParameterOrigin::kTuned,
-    "of the turning speed: AMCL follows better"};
-inline constexpr base::Parameter<double> kKnownShare{
-    "known_share", 0.8, "", base::ParameterOrigin::kTuned,
-    "of AMCL's weight in one place: it knows its place"};
-inline constexpr base::Parameter<double> kMaxConfirmLostProbability{
-    "max_confirm_lost_probability", 0.3, "", base::ParameterOrigin::kTuned,
-    "of the lost verdict, which began anew"};
 inline constexpr base::Parameter<int> kQuestionsBeforeLaser{
     "questions_before_laser", 4, "", base::ParameterOrigin::kTuned,
     "then the laser's own place is tried before a second view"};
@@ -199,24 +147,12 @@ inline constexpr base::Parameter<double> kSearchHold_s{
 inline constexpr base::Parameter<double> kSearchHold_rad{
     "search_hold", 3.5, "rad", base::ParameterOrigin::kTuned,
     "200 degrees: it has seen all around"};
-inline constexpr base::Parameter<double> kSearchStd_m{
-    "search_std", 0.25, "m", base::ParameterOrigin::kTuned,
-    "with AMCL's weight this near together"};
 inline constexpr base::Parameter<double> kAliasMargin{
     "alias_margin", 0.12, "", base::ParameterOrigin::kTuned,
     "scores closer than this are alike (rows of windows, equal offices)"};
 inline constexpr base::Parameter<double> kMinSearchMove_m{
     "min_search_move", 0.3, "m", base::ParameterOrigin::kTuned,
     "shorter moves show nothing new; also kept free ahead"};
-inline constexpr base::Parameter<double> kMaxSearchLeg_s{
-    "max_search_leg", 15, "s", base::ParameterOrigin::kTuned,
-    "something holds the robot"};
-inline constexpr base::Parameter<double> kAskInterval_s{
-    "ask_interval", 4, "s", base::ParameterOrigin::kTuned,
-    "between pictures while it searches"};
-inline constexpr base::Parameter<double> kAskFailedInterval_s{
-    "ask_failed_interval", 15, "s", base::ParameterOrigin::kTuned,
-    "between questions to a server that may have come back"};
 inline constexpr base::Parameter<double> kMaxBadScanShare{
     "max_bad_scan_share", 0.2, "", base::ParameterOrigin::kTuned,
     "of the scans while a place holds: somebody walks by"};
@@ -231,16 +167,11 @@ inline constexpr base::Parameter<double> kCameFrom_rad{
 
 inline constexpr base::Parameter<double> kCheckInterval_s{
     "check_interval", 20, "s", base::ParameterOrigin::kTuned,
-    "between two checks"};
+    "between two checks, and between questions to a server that may have come "
+    "back"};
 inline constexpr base::Parameter<double> kCheckToldAfter_s{
     "check_told_after", 2, "s", base::ParameterOrigin::kTuned,
     "what a person says is checked soon"};
-inline constexpr base::Parameter<double> kCheckAgree_m{
-    "check_agree", 0.25, "m", base::ParameterOrigin::kTuned,
-    "nearer the server agrees, whatever the deviations"};
-inline constexpr base::Parameter<double> kMaxDrift_m{
-    "max_drift", 0.8, "m", base::ParameterOrigin::kTuned,
-    "a drift; beyond, one of the two is wrong"};
 inline constexpr base::Parameter<double> kMinCorrectionGain{
     "min_correction_gain", 0.03, "", base::ParameterOrigin::kTuned,
     "of the scan's score"};
@@ -261,19 +192,10 @@ inline constexpr base::Parameter<double> kFullWorthRange_m{
     "from here on pictures tell most"};
 inline constexpr base::Parameter<double> kFarWorthRange_m{
     "far_worth_range", 6, "m", base::ParameterOrigin::kTuned,
-    "open space beyond has no depth"};
-inline constexpr base::Parameter<double> kWorthFadeRange_m{
-    "worth_fade_range", 10, "m", base::ParameterOrigin::kTuned,
-    "beyond that pictures tell less and less"};
-inline constexpr base::Parameter<double> kMinFarWorth{
-    "min_far_worth", 0.3, "", base::ParameterOrigin::kTuned,
-    "but never less than this"};
+    "open space beyond has no depth: what is twice as far tells half as much"};
 inline constexpr base::Parameter<size_t> kMinViewBeams{
     "min_view_beams", 3, "", base::ParameterOrigin::kTuned,
-    "fewer beams in view say nothing"};
-inline constexpr base::Parameter<double> kBlindViewPrior{
-    "blind_view_prior", 0.15, "", base::ParameterOrigin::kTuned,
-    "chance of such a view"};
+    "fewer beams in view say nothing: as if it had not been seen"};
 inline constexpr base::Parameter<double> kRangeStep_m{
     "range_step", 0.3, "m", base::ParameterOrigin::kTuned,
     "between beams: an edge"};
@@ -305,9 +227,32 @@ inline constexpr base::Parameter<double> kSecondViewGain{
 
 // For a sharp picture the robot moves by less than half of what counts as
 // standing elsewhere.
-inline constexpr double kStandstillSpeed_mps = control::kStandingSpeed_mps / 2;
-inline constexpr double kStandstillYawRate_radps =
-    control::kStandingTurn_radps / 2;
+inline constexpr double kStandstillSpeed_mps = control::kMinSpeed_mps;
+inline constexpr double kStandstillYawRate_radps = control::kMinTurn_radps;
+// The heading of two fixes that agree (rad).
+inline constexpr double kPairAngle_rad =
+    kPairDistance_m / localization::kHeadingLever_m;
+// A covariance that says more than two fixes may differ by is not believed (m).
+inline constexpr double kMaxFixStd_m = kPairDistance_m;
+// A drift is not to what is another place to the search over the map; beyond,
+// one of the two is wrong (m).
+inline constexpr double kMaxDrift_m = localization::kOtherPlace_m;
+// A fix is of the ground that is no further above or below it than what the
+// robot goes over: other floors are further away (m).
+inline constexpr double kMaxFixHeight_m = localization::kMaxRise_m;
+// Turning a fix moves what is a lever away (1/rad).
+inline constexpr double kFitTurnCost_per_rad =
+    kFitMoveCost_per_m * localization::kHeadingLever_m;
+// Beams that fit better where the robot thought it was speak against a fix as
+// those that contradict it do: from here on it is refused, or weak.
+inline constexpr double kRefusedWorseThanBelief = kMaxFixContradicted;
+inline constexpr double kMaxWorseThanBelief = kSureContradicted;
+// Scans of a robot that turns to confirm a fix may be half way from sure to
+// refused: people walk by.
+inline constexpr double kConfirmExplained =
+    (kSureExplained + kMinFixExplained) / 2;
+inline constexpr double kConfirmContradicted =
+    (kSureContradicted + kMaxFixContradicted) / 2;
 // A fix may be off by half of what two may differ by.
 inline constexpr double kFixSearch_m = kPairDistance_m / 2;
 inline constexpr double kFixSearch_rad = kPairAngle_rad / 2;
@@ -326,6 +271,27 @@ inline constexpr double kTurnGain_per_s = control::kGoalGain_hz;
 inline constexpr double kTurnTolerance_rad = control::kAlignUntil_rad;
 // A view that was seen whole may be beside the camera by what a turn is off.
 inline constexpr double kViewEdgeSlack_rad = kTurnTolerance_rad;
+// A turn to the next view takes no longer than one and a half times a full
+// turn; a leg of a search none longer than to turn around and back; to confirm
+// takes less than a full turn (s).
+inline constexpr double kFullTurn_s =
+    2 * std::numbers::pi / kRecoveryTurn_radps;
+inline constexpr double kMaxTurning_s = 1.5 * kFullTurn_s;
+inline constexpr double kMaxSearchLeg_s = 2 * kFullTurn_s;
+inline constexpr double kMaxConfirming_s = kFullTurn_s;
+// While it confirms it turns as gently as at a goal: AMCL follows better.
+inline constexpr double kConfirmTurn_radps = control::kGoalTurn_radps;
+// Scans that are apart by half of what a camera sees are of something else.
+inline constexpr double kNewViewTurn_rad = kHalfView_rad;
+// What held the robot counts from the same place only, and it keeps away from
+// that by what is no progress.
+inline constexpr double kHeldPlace_m = control::kGotOn_m;
+inline constexpr double kHeldMargin_rad = control::kProgressAngle_rad;
+// Room for a little way ahead (m).
+inline constexpr double kMinFreeAhead_m = kMinSearchMove_m;
+// While it searches, a picture after a question has been waited for (s).
+inline constexpr double kAskInterval_s = kAnswerDeadline_s + kAnswerPatience_s;
+inline constexpr double kAskFailedInterval_s = kCheckInterval_s;
 // What has not turned enough in half of the time has no room.
 inline constexpr double kConfirmNoRoom_s = kMaxConfirming_s / 2;
 // A trial ends after half as many bad scans again as there must be good ones.
@@ -343,17 +309,23 @@ inline constexpr size_t kMaxWaitingFixes = localization::kMaxWaitingScans;
 
 // A place that was taken is as well known as the worst of fixes.
 inline constexpr double kMaxConfirmStd_m = kMaxFixStd_m;
+inline constexpr double kSearchStd_m = kMaxFixStd_m;
 // Two fixes in a row, each as far off as two may differ.
 inline constexpr double kMaxConfirmDrift_m = 2 * kPairDistance_m;
 // What has been found is not lost any more.
 inline constexpr double kMaxSearchLostProbability = localization::kWithdrawLost;
+inline constexpr double kMaxConfirmLostProbability =
+    localization::kWithdrawLost;
+// AMCL knows its place if as much of its weight is there.
+inline constexpr double kKnownShare = 1 - localization::kWithdrawLost;
 // AMCL's own measure of having found the place.
 inline constexpr double kSearchShare = localization::kFoundShare;
 // A picture is of after the robot has come to rest.
 inline constexpr double kPictureSettle_s = kSettle_s;
 // Twice what a direction promises whose answer was refused.
 inline constexpr double kMinPromise = 2 * kRefusedPromise;
-// A check agrees as two fixes do, and a drift is within the same place.
+// A check agrees as two fixes do, whatever the deviations.
+inline constexpr double kCheckAgree_m = kPairDistance_m;
 inline constexpr double kCheckAgree_rad = kPairAngle_rad;
 inline constexpr double kMaxDrift_rad = kSamePlace_rad;
 

@@ -138,7 +138,7 @@ TEST_F(RelocalizationBehaviorTest, WhoNeedsHelpAsksAServerThatHasComeBack) {
   EXPECT_EQ(Run(100), RelocalizationState::kNeedHelp) << notes_;
   const int asked = server_.asked;
   const geometry::Rigid2 stood = tracker_.odom_from_base;
-  for (int i = 0; i < 50 / kStep_s; ++i) {
+  for (int i = 0; i < 65 / kStep_s; ++i) {
     EXPECT_EQ(Step(), RelocalizationState::kNeedHelp);
   }
   EXPECT_EQ(server_.asked, asked + 3);

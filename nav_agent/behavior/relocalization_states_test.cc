@@ -20,7 +20,7 @@ TEST(StoppingState, WaitsUntilTheWheelsHaveStoodForSoLong) {
   EXPECT_FALSE(stopping.Step(Moving(0.2, 0), 0.3, At(100)));
   EXPECT_FALSE(stopping.Step(Moving(0, 0.03), 0.3, At(100.5)));
   EXPECT_FALSE(stopping.Step(Moving(0, 0), 0.3, At(101)));
-  EXPECT_FALSE(stopping.Step(Moving(0.009, 0.024), 0.3, At(101.29)));
+  EXPECT_FALSE(stopping.Step(Moving(0.009, 0.023), 0.3, At(101.29)));
   EXPECT_TRUE(stopping.Step(Moving(0, 0), 0.3, At(101.31)));
 }
 

@@ -30,6 +30,12 @@ bool SameValues(const core::BaseReading& a, const core::BaseReading& b) {
          a.roll_rad == b.roll_rad;
 }
 
+// Slower wheels may repeat themselves.
+bool Stands(double forward_mps, double yaw_rate_radps) {
+  return std::abs(forward_mps) <= control::kStandingSpeed_mps &&
+         std::abs(yaw_rate_radps) <= control::kStandingTurn_radps;
+}
+
 // Bit by bit: NaN is the same as NaN.
 bool SameRanges(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() &&
@@ -121,7 +127,7 @@ void LaserWatch::Judge(const core::LaserScan& scan) {
   tally_.repeated += is_same ? 1 : 0;
   same_ranges_.Add(is_same, scan.stamp);
   if (same_ranges_.For_s(scan.stamp) > options_->laser_timeout_s &&
-      moved_ > kMinMotion) {
+      moved_ > kScanMotion_m) {
     is_frozen_ = true;
   }
 }
@@ -181,10 +187,9 @@ void SensorMonitor::PollOdometry(base::MonotonicTime now,
       continue;
     }
     const bool is_same = reading_.has_value() && SameValues(*reading_, reading);
-    const bool should_move = std::abs(command.forward_mps) > kMinMotion ||
-                             std::abs(command.yaw_rate_radps) > kMinMotion ||
-                             std::abs(reading.forward_mps) > kMinMotion ||
-                             std::abs(reading.yaw_rate_radps) > kMinMotion;
+    const bool should_move =
+        !Stands(command.forward_mps, command.yaw_rate_radps) ||
+        !Stands(reading.forward_mps, reading.yaw_rate_radps);
     odometry_.repeated += is_same ? 1 : 0;
     same_readings_.Add(is_same && (should_move || odometry_frozen_.has_value()),
                        reading.stamp);
@@ -215,8 +220,8 @@ void SensorMonitor::JudgeOdometry(const core::BaseReading& reading,
     return;
   }
   // It may only have been stuck: a standing robot's readings may be alike.
-  const bool says_it_stands = std::abs(reading.forward_mps) <= kMinMotion &&
-                              std::abs(reading.yaw_rate_radps) <= kMinMotion;
+  const bool says_it_stands =
+      Stands(reading.forward_mps, reading.yaw_rate_radps);
   if (says_it_stands && odometry_retries_ < options_.retries &&
       base::SecondsBetween(*odometry_frozen_, reading.stamp) >
           options_.retry_s) {

@@ -35,7 +35,9 @@ BandFollowerOptions BandFollowerOptions::For(const core::RobotModel& robot,
   BandFollowerOptions options;
   options.band.influence_m = std::max(kCell_m, inflation_m);
   options.inset_m = robot.half_width_m + kPointMargin_m;
+  options.aside_m = 4 * robot.half_width_m;
   options.search.clearance_m = robot.half_width_m + kManoeuvreRoom_m;
+  options.search.desired_m = robot.half_width_m + inflation_m;
   return options;
 }
 
@@ -123,7 +125,7 @@ bool BandFollower::Mend(const core::LevelPose& pose,
   const bool ends_at_goal =
       !stops.empty() && stops.back().along_m >= progress_.length_m() - kEnd_m;
   if (ends.empty() && !stops.empty() && !ends_at_goal) {
-    for (double aside_m = -kAsideReach_m; aside_m <= kAsideReach_m;
+    for (double aside_m = -options_.aside_m; aside_m <= options_.aside_m;
          aside_m += kTwoCells_m) {
       const geometry::Vec2 end =
           stops.back().map_from_base * geometry::Vec2{0, aside_m};
@@ -147,8 +149,7 @@ bool BandFollower::Mend(const core::LevelPose& pose,
   }
   std::vector<geometry::Rigid2> line = {pose.map_from_base};
   for (const geometry::Vec2& point : way.points_in_map) {
-    if (geometry::Norm(point - line.back().translation) <
-        kThinShare * options_.spacing_m) {
+    if (geometry::Norm(point - line.back().translation) < kTwoCells_m) {
       continue;
     }
     line.push_back({.translation = point, .yaw_rad = 0});

@@ -31,6 +31,9 @@ struct BandFollowerOptions {
   double spacing_m = kFourCells_m;
   // A place on the path is taken if its footprint has less room (m).
   double room_m = kFreeRoom_m;
+  // So far aside a way is looked for past what stands at the path's last
+  // sight: past what is as wide as the robot, which goes beside it (m).
+  double aside_m = 4 * core::RobotModel().half_width_m;
   // A robot that is further off has left its band (m).
   double lost_band_m = kLostBand_m;
   // What a metre of path that is left out costs the search for a way around:

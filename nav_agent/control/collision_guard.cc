@@ -23,7 +23,34 @@ absl::Status CollisionGuardOptions::Validate() const {
 
 CollisionGuard::CollisionGuard(const core::RobotModel& robot,
                                const CollisionGuardOptions& options)
-    : robot_(robot), options_(options), footprint_(Footprint::Of(robot)) {}
+    : robot_(robot),
+      options_(options),
+      footprint_(Footprint::Of(robot)),
+      max_looks_(std::max(
+          2, LooksAt(std::max(robot.max_forward_mps, robot.max_backward_mps),
+                     robot.max_yaw_rate_radps))) {}
+
+// Both brake together along the arc, as long as the slower one takes.
+double CollisionGuard::StopTime_s(double forward_mps,
+                                  double yaw_rate_radps) const {
+  const double brake = options_.braking_share * robot_.max_deceleration_mps2;
+  const double yaw_brake =
+      kYawBrakingShare * robot_.max_yaw_acceleration_radps2;
+  return std::max(std::abs(forward_mps) / brake,
+                  std::abs(yaw_rate_radps) / yaw_brake);
+}
+
+int CollisionGuard::LooksAt(double forward_mps, double yaw_rate_radps) const {
+  const double edge_mps =
+      std::abs(forward_mps) +
+      std::abs(yaw_rate_radps) * footprint_.Circumradius_m();
+  const double total_s =
+      options_.reaction_s + StopTime_s(forward_mps, yaw_rate_radps);
+  // A command of any size may be asked about.
+  constexpr double kCountable = 1e6;
+  return static_cast<int>(
+      std::ceil(std::min(kCountable, edge_mps * total_s / kSweepStep_m)));
+}
 
 double CollisionGuard::Reach_m() const {
   const double v = std::max(robot_.max_forward_mps, robot_.max_backward_mps);
@@ -39,19 +66,12 @@ double CollisionGuard::Reach_m() const {
 const GuardPoint* CollisionGuard::FirstHit(
     const core::VelocityCommand& command, std::span<const GuardPoint> points,
     std::span<const double> now_m) const {
-  const double brake = options_.braking_share * robot_.max_deceleration_mps2;
-  const double yaw_brake =
-      kYawBrakingShare * robot_.max_yaw_acceleration_radps2;
   const double v = command.forward_mps;
   const double w = command.yaw_rate_radps;
-  // Both brake together along the arc, as long as the slower one takes.
-  const double stop_s = std::max(std::abs(v) / brake, std::abs(w) / yaw_brake);
+  const double stop_s = StopTime_s(v, w);
   const double total_s = options_.reaction_s + stop_s;
-  const double edge_mps =
-      std::abs(v) + std::abs(w) * footprint_.Circumradius_m();
-  const int looks =
-      std::clamp(static_cast<int>(std::ceil(edge_mps * total_s / kSweepStep_m)),
-                 2, kMaxLooks.value);
+  // No more than for the fastest that the robot can do.
+  const int looks = std::clamp(LooksAt(v, w), 2, max_looks_);
   const double extra_m = options_.margin_per_speed_s * std::abs(v);
   geometry::Vec2 at;
   double yaw_rad = 0;

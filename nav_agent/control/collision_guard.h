@@ -91,9 +91,15 @@ class CollisionGuard {
                              std::span<const GuardPoint> points,
                              std::span<const double> now_m) const;
 
+  // From a velocity to standing still, once the base obeys (s).
+  double StopTime_s(double forward_mps, double yaw_rate_radps) const;
+  // Of a sweep until then, a step of its edges apart.
+  int LooksAt(double forward_mps, double yaw_rate_radps) const;
+
   core::RobotModel robot_;
   CollisionGuardOptions options_;
   Footprint footprint_;
+  int max_looks_;
 };
 
 }  // namespace treeline::control

@@ -21,7 +21,7 @@ void Say(const GuardVerdict& verdict, const RegulatorInput& input,
 core::VelocityCommand BeginningOf(const core::VelocityCommand& wanted) {
   const double share = std::min(
       {1.0, kSlowSpeed_mps / std::max(std::abs(wanted.forward_mps), 1e-6),
-       kProbeTurn_radps / std::max(std::abs(wanted.yaw_rate_radps), 1e-6)});
+       kSlowTurn_radps / std::max(std::abs(wanted.yaw_rate_radps), 1e-6)});
   return {.forward_mps = share * wanted.forward_mps,
           .yaw_rate_radps = share * wanted.yaw_rate_radps};
 }

@@ -10,7 +10,7 @@ namespace treeline::control {
 // What the CollisionGuard allows; what it does not becomes the nearest that it
 // does, braking along the arc. Says what forbids it. Of a robot that waits it
 // looks whether what is wanted could begin: at kSlowSpeed_mps and
-// kProbeTurn_radps at most.
+// kSlowTurn_radps at most.
 class CollisionRegulator final : public VelocityRegulator {
  public:
   explicit CollisionRegulator(const core::RobotModel& robot) : robot_(robot) {}

@@ -10,7 +10,7 @@ namespace treeline::control {
 // v = kCreep_mps where the line turns by more than kTurnFrom_rad.
 struct CornerRegulator {
   double Regulated(double speed_mps, const ProfilePoint& point) const {
-    return point.turn_rad > kTurnFrom_rad ? double{kCreep_mps} : speed_mps;
+    return point.turn_rad > kTurnFrom_rad ? kCreep_mps : speed_mps;
   }
 };
 static_assert(SpeedRegulator<CornerRegulator>);

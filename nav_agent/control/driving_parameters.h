@@ -3,20 +3,12 @@
 #define NAV_AGENT_CONTROL_DRIVING_PARAMETERS_H_
 
 #include "common/base/parameter.h"
+#include "nav_agent/control/obstacle_parameters.h"
 #include "nav_agent/control/setting_parameters.h"
 
 namespace treeline::control {
 
 // ---- room and commands ----
-inline constexpr base::Parameter<double> kManoeuvreRoom_m{
-    "manoeuvre_room", 0.06, "m", base::ParameterOrigin::kTuned,
-    "room beside the footprint that a turn, a search and a bubble want"};
-inline constexpr base::Parameter<double> kFreeRoom_m{
-    "free_room", 0.01, "m", base::ParameterOrigin::kTuned,
-    "a footprint with less room touches"};
-inline constexpr base::Parameter<double> kMaxApproach_m{
-    "max_approach", 0.003, "m", base::ParameterOrigin::kTuned,
-    "by which a move may come nearer to what is too near already"};
 // ---- the path ----
 inline constexpr base::Parameter<double> kPathBack_m{
     "path_back", 0.3, "m", base::ParameterOrigin::kTuned,
@@ -24,9 +16,6 @@ inline constexpr base::Parameter<double> kPathBack_m{
 inline constexpr base::Parameter<double> kPathAhead_m{
     "path_ahead", 1.0, "m", base::ParameterOrigin::kTuned,
     "and ahead; twice as far on a new path"};
-inline constexpr base::Parameter<double> kPathSkip{
-    "path_skip", 0.1, "m/m", base::ParameterOrigin::kTuned,
-    "the price of skipped path: corners are not cut off"};
 inline constexpr base::Parameter<double> kStoreyHeight_m{
     "storey_height", 1.0, "m", base::ParameterOrigin::kGeometry,
     "what differs more is of another floor"};
@@ -39,23 +28,11 @@ inline constexpr base::Parameter<double> kLostBand_m{
     "a robot that is further off was pushed, or told another pose"};
 inline constexpr base::Parameter<double> kSkipCost{
     "skip_cost", 0.3, "m/m", base::ParameterOrigin::kTuned,
-    "a way around may come back to the path late, but not for nothing"};
-inline constexpr base::Parameter<int> kRestSteps{
-    "rest_steps", 4, "steps", base::ParameterOrigin::kTuned,
-    "a search that found nothing finds nothing in the next 0.1 s"};
-inline constexpr base::Parameter<double> kAsideReach_m{
-    "aside_reach", 1.2, "m", base::ParameterOrigin::kTuned,
-    "so far aside a way is looked for past what stands at the path's last "
-    "sight"};
-inline constexpr base::Parameter<double> kThinShare{
-    "thin_share", 0.6, "", base::ParameterOrigin::kTuned,
-    "of the spacing of bubbles, that points of a search are apart"};
-inline constexpr base::Parameter<double> kContraction{
-    "contraction", 1.0, "", base::ParameterOrigin::kTuned,
-    "k_c; the scale of forces"};
+    "a way around may come back to the path late, but not for nothing, and "
+    "corners are not cut off"};
 inline constexpr base::Parameter<double> kRepulsion{
     "repulsion", 2.5, "1/m", base::ParameterOrigin::kTuned,
-    "k_r; narrow places are passed in the middle"};
+    "k_r, in units of k_c; narrow places are passed in the middle"};
 inline constexpr base::Parameter<double> kBandGain{
     "band_gain", 0.4, "", base::ParameterOrigin::kTuned,
     "of a bubble's move by radius and force: with more they swing"};
@@ -65,9 +42,6 @@ inline constexpr base::Parameter<double> kTurnWay{
 inline constexpr base::Parameter<int> kBandIterations{
     "band_iterations", 3, "", base::ParameterOrigin::kTuned,
     "a step; 40 steps a second do the rest"};
-inline constexpr base::Parameter<int> kMaxBubbles{
-    "max_bubbles", 80, "", base::ParameterOrigin::kTuned,
-    "twice what the horizon holds at the smallest spacing, and some"};
 inline constexpr base::Parameter<double> kGradientStep_m{
     "gradient_step", 0.03, "m", base::ParameterOrigin::kGeometry,
     "to either side: gradients are taken over more than a cell"};
@@ -77,25 +51,10 @@ inline constexpr base::Parameter<double> kFlatGradient{
 inline constexpr base::Parameter<double> kOverlapShare{
     "overlap_share", 0.9, "", base::ParameterOrigin::kTuned,
     "of both radii: bubbles that overlap by less get one between them"};
-inline constexpr base::Parameter<int> kMaxPieces{"max_pieces", 8, "",
-                                                 base::ParameterOrigin::kTuned,
-                                                 "bubbles that fill one gap"};
-inline constexpr base::Parameter<double> kLeaving_m{
-    "leaving", 0.45, "m", base::ParameterOrigin::kGeometry,
-    "the way out of something is no longer"};
-inline constexpr base::Parameter<double> kLeavingSlack_m{
-    "leaving_slack", 0.005, "m", base::ParameterOrigin::kTuned,
-    "by which that way may come nearer to it"};
 // ---- the search ----
-inline constexpr base::Parameter<double> kWishedRoom_m{
-    "desired_clearance", 0.7, "m", base::ParameterOrigin::kTuned,
-    "cells nearer to obstacles cost more"};
 inline constexpr base::Parameter<double> kRoomPrice{
     "room_price", 4.0, "", base::ParameterOrigin::kTuned,
     "up to 1 + this times as much"};
-inline constexpr base::Parameter<double> kStartReach_m{
-    "start_reach", 0.4, "m", base::ParameterOrigin::kGeometry,
-    "about the start cells are open that are no narrower than it"};
 // ---- speeds along a track ----
 inline constexpr base::Parameter<double> kAccelerationShare{
     "acceleration_share", 0.6, "", base::ParameterOrigin::kTuned,
@@ -111,16 +70,14 @@ inline constexpr base::Parameter<double> kLookAheadTime_s{
     "and so much further by its speed"};
 inline constexpr base::Parameter<double> kSlowSpeed_mps{
     "slow_speed", 0.15, "m/s", base::ParameterOrigin::kTuned,
-    "where there is no room beside it, and to see whether it might set off"};
+    "where there is no room beside it, of ways out, and to see whether it "
+    "might set off"};
 inline constexpr base::Parameter<double> kNarrowGain_hz{
     "narrow_gain", 1.2, "1/s", base::ParameterOrigin::kTuned,
     "more speed by room beside the footprint"};
 inline constexpr base::Parameter<double> kDirection_m{
     "direction", 0.15, "m", base::ParameterOrigin::kGeometry,
     "three points of a track: its direction, and its curvature"};
-inline constexpr base::Parameter<double> kCreep_mps{
-    "creep", 0.08, "m/s", base::ParameterOrigin::kTuned,
-    "the slowest that is driven where there is a way"};
 inline constexpr base::Parameter<double> kSlopeSlowing{
     "slope_slowing", 0.5, "", base::ParameterOrigin::kTuned,
     "of the speed, lost on the steepest slope"};
@@ -130,23 +87,29 @@ inline constexpr base::Parameter<double> kTurnFrom_rad{
 inline constexpr base::Parameter<double> kTurnUntil_rad{
     "turn_until", 0.25, "rad", base::ParameterOrigin::kTuned,
     "until it is off by less"};
-inline constexpr base::Parameter<double> kMinHeadingShare{
-    "min_heading_share", 0.15, "", base::ParameterOrigin::kTuned,
-    "of the speed, left just before it would turn on the spot"};
 inline constexpr base::Parameter<double> kTurnGain_hz{
     "turn_gain", 4.0, "1/s", base::ParameterOrigin::kTuned,
     "near the end of a turn in proportion: lateness must not make it swing"};
-inline constexpr base::Parameter<double> kTurned_rad{
-    "turned", 0.01, "rad", base::ParameterOrigin::kTuned,
-    "a turn that is off by less is done"};
 
 // ---- what follows ----
+// Turns are slow if the robot's corners are (rad/s).
+inline constexpr double kSlowTurn_radps = kSlowSpeed_mps / kCorner_m;
+// The slowest that is driven where there is a way (m/s).
+inline constexpr double kCreep_mps = kSlowSpeed_mps / 2;
+// A turn that is off by less is no motion any more (rad).
+inline constexpr double kTurned_rad = kStandingTurn_radps / kTurnGain_hz;
+// Ways out of something, and about the start of a search, are within the
+// robot's corners (m).
+inline constexpr double kLeaving_m = kCorner_m;
 // Of two commands: less is jitter of the clock (s).
 inline constexpr double kMinInterval_s = kCycle_s / 5;
 
 // A base says what it did late, and scans of two lasers come apart: by four
 // cycles at most (s).
 inline constexpr double kLag_s = 4 * kCycle_s;
+// A search that found nothing finds nothing before what is late has come
+// (steps).
+inline constexpr auto kRestSteps = static_cast<int>(kLag_s / kCycle_s);
 // Scans further apart say nothing of speeds (s).
 inline constexpr double kLongestInterval_s = 10 * kCycle_s;
 // Points of a track are a cell apart; so far a bubble moves in one go, and a
@@ -158,6 +121,9 @@ inline constexpr double kCell_m = kCostmapResolution_m;
 inline constexpr double kTwoCells_m = 2 * kCostmapResolution_m;
 // New bubbles on the path are this far apart (m).
 inline constexpr double kFourCells_m = 4 * kCostmapResolution_m;
+// Twice what the horizon holds at the smallest spacing.
+inline constexpr auto kMaxBubbles =
+    static_cast<int>(2 * kHorizon_m / kTwoCells_m);
 
 }  // namespace treeline::control
 

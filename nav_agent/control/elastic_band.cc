@@ -36,10 +36,9 @@ BandBubble Between(const BandBubble& a, const BandBubble& b) {
 }  // namespace
 
 absl::Status ElasticBandOptions::Validate() const {
-  if (!(influence_m > 0 && contraction >= 0 && repulsion >= 0 && gain > 0 &&
-        max_move_m > 0 && min_spacing_m > 0 &&
-        max_spacing_m >= 2 * min_spacing_m && turn_m_per_rad >= 0 &&
-        iterations >= 0 && max_bubbles >= 2)) {
+  if (!(influence_m > 0 && repulsion >= 0 && gain > 0 && max_move_m > 0 &&
+        min_spacing_m > 0 && max_spacing_m >= 2 * min_spacing_m &&
+        turn_m_per_rad >= 0 && iterations >= 0 && max_bubbles >= 2)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the elastic band's forces and lengths must be positive, and "
         "max_spacing_m at least twice min_spacing_m"));
@@ -113,8 +112,7 @@ geometry::Vec2 ElasticBand::ForceOn(size_t i, const BandSpace& space) const {
   const BandBubble& bubble = bubbles_[i];
   const geometry::Vec2 to_before = At(bubbles_[i - 1]) - At(bubble);
   const geometry::Vec2 to_after = At(bubbles_[i + 1]) - At(bubble);
-  geometry::Vec2 force =
-      options_.contraction * (Unit(to_before) + Unit(to_after));
+  geometry::Vec2 force = Unit(to_before) + Unit(to_after);
   if (bubble.radius_m < options_.influence_m) {
     const auto radius_at = [&](double dx, double dy) {
       geometry::Rigid2 pose = bubble.map_from_base;
@@ -144,9 +142,9 @@ void ElasticBand::MoveBubbles(const BandSpace& space) {
   for (size_t i = 1; i + 1 < bubbles_.size(); ++i) {
     const geometry::Vec2 force = ForceOn(i, space);
     // One in something is moved as if it had this much room.
-    geometry::Vec2 move =
-        options_.gain * std::max(kManoeuvreRoom_m.value, bubbles_[i].radius_m) *
-        force;
+    geometry::Vec2 move = options_.gain *
+                          std::max(kManoeuvreRoom_m, bubbles_[i].radius_m) *
+                          force;
     const double length_m = geometry::Norm(move);
     if (length_m < 1e-5) continue;
     if (length_m > options_.max_move_m) {
@@ -201,9 +199,10 @@ void ElasticBand::FillAndThin(const BandSpace& space) {
       const double room_m =
           std::clamp(kOverlapShare * (last.radius_m + bubbles_[i].radius_m),
                      2 * options_.min_spacing_m, options_.max_spacing_m);
-      if (way_m > room_m && filled.size() + bubbles_.size() - i < most) {
+      const size_t taken = filled.size() + bubbles_.size() - i;
+      if (way_m > room_m && taken < most) {
         const int pieces = std::min(static_cast<int>(std::ceil(way_m / room_m)),
-                                    kMaxPieces.value);
+                                    static_cast<int>(most - taken) + 1);
         const geometry::Vec2 begin = At(last);
         BandBubble between = Between(last, bubbles_[i]);
         for (int piece = 1; piece < pieces; ++piece) {
@@ -251,7 +250,7 @@ std::optional<size_t> ElasticBand::FirstBreak(const BandSpace& space) const {
     along_m += WayBetween_m(bubbles_[i - 1], bubbles_[i]);
     // Where the robot stands too near to something, it may get away.
     if (bubbles_[0].radius_m <= kTouch_m && along_m < kLeaving_m &&
-        bubbles_[i].radius_m >= bubbles_[i - 1].radius_m - kLeavingSlack_m) {
+        bubbles_[i].radius_m >= bubbles_[i - 1].radius_m - kMaxApproach_m) {
       continue;
     }
     if (bubbles_[i].radius_m <= kTouch_m ||

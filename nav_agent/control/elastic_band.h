@@ -37,8 +37,7 @@ class BandSpace {
 struct ElasticBandOptions {
   // rho_0: obstacles further from the footprint do not push (m).
   double influence_m = kInflation_m;
-  // k_c and k_r (1, 1/m).
-  double contraction = kContraction;
+  // k_r / k_c (1/m).
   double repulsion = kRepulsion;
   // A bubble moves by this times its radius times the force in one go, at most
   // max_move_m.
@@ -58,8 +57,8 @@ struct ElasticBandOptions {
 
 // With bubbles b_i of radius rho_i and headings along the band:
 //
-//   f_c = k_c ((b_(i-1) - b_i) / |b_(i-1) - b_i| + (b_(i+1) - b_i) / |...|)
-//   f_r = k_r (rho_0 - rho) d rho / d b  while rho < rho_0
+//   f_c = ((b_(i-1) - b_i) / |b_(i-1) - b_i| + (b_(i+1) - b_i) / |...|)
+//   f_r = k_r / k_c (rho_0 - rho) d rho / d b  while rho < rho_0
 //   f   = f_c + f_r, without its part along b_(i+1) - b_(i-1)
 //   b_i += gain rho_i f
 //

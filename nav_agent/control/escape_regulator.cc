@@ -12,11 +12,11 @@ namespace treeline::control {
 namespace {
 
 constexpr double kAhead_s[] = {kEscapeAhead_s, 2 * kEscapeAhead_s};
-constexpr double kSpeeds_mps[] = {kEscapeSpeed_mps, 0.5 * kEscapeSpeed_mps, 0.0,
-                                  -0.5 * kEscapeSpeed_mps, -kEscapeSpeed_mps};
-constexpr double kYawRates_radps[] = {0.0, kEscapeTurn_radps,
-                                      -kEscapeTurn_radps, 2 * kEscapeTurn_radps,
-                                      -2 * kEscapeTurn_radps};
+constexpr double kSpeeds_mps[] = {kSlowSpeed_mps, 0.5 * kSlowSpeed_mps, 0.0,
+                                  -0.5 * kSlowSpeed_mps, -kSlowSpeed_mps};
+constexpr double kYawRates_radps[] = {0.0, kSlowTurn_radps, -kSlowTurn_radps,
+                                      2 * kSlowTurn_radps,
+                                      -2 * kSlowTurn_radps};
 
 std::vector<GuardPoint> SeenFrom(const geometry::Rigid2& base_from_there,
                                  std::span<const GuardPoint> points) {
@@ -47,7 +47,7 @@ double PriceOf(const geometry::Rigid2& motion, const RegulatorInput& input,
   const double room_m = input.costmap.FootprintDistance_m(at, kRoomWorthMax_m);
   const core::VelocityCommand turn = {
       .forward_mps = 0,
-      .yaw_rate_radps = std::copysign(kEscapeTurn_radps, angle_rad)};
+      .yaw_rate_radps = std::copysign(kSlowTurn_radps, angle_rad)};
   const bool is_held =
       input.guard.Check(turn, SeenFrom(motion, input.points)).is_limited;
   return std::abs(angle_rad) + geometry::Norm(to) - kRoomWorth * room_m +
@@ -75,7 +75,7 @@ std::optional<core::VelocityCommand> EscapeRegulator::Find(
   const base::MonotonicTime now = input.pose.stamp;
   const bool holds =
       held_.has_value() &&
-      std::chrono::duration<double>(now - held_since_).count() < kEscapeHold_s;
+      std::chrono::duration<double>(now - held_since_).count() < kEscapeAhead_s;
   if (holds && (input.may_back_up || held_->forward_mps >= 0) &&
       !input.guard.Check(*held_, input.points).is_limited) {
     return held_;

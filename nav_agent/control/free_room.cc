@@ -12,7 +12,7 @@ namespace treeline::control {
 bool CanTurnAt(const geometry::Rigid2& map_from_base,
                const LocalCostmap& costmap) {
   const double needed_m = std::min(
-      kFreeRoom_m.value,
+      kFreeRoom_m,
       costmap.FootprintDistance_m(map_from_base, kTwoCells_m) - kMaxApproach_m);
   for (int part = 0; part < kTurnParts; ++part) {
     geometry::Rigid2 turned = map_from_base;
@@ -35,7 +35,7 @@ double FreeWayAt_m(const geometry::Rigid2& map_from_base, double max_distance_m,
     geometry::Rigid2 moved = map_from_base;
     moved.translation = moved * geometry::Vec2{sign * next_m, 0};
     const double there_m = costmap.FootprintDistance_m(moved, kTwoCells_m);
-    if (there_m <= std::min(kFreeRoom_m.value, room_m - kMaxApproach_m)) break;
+    if (there_m <= std::min(kFreeRoom_m, room_m - kMaxApproach_m)) break;
     room_m = there_m;
     free_m = next_m;
   }

@@ -48,7 +48,7 @@ LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
         const size_t next = index(x, y);
         const double room_m = distances[next];
         const double from_start_m = r * std::hypot(x - start_x, y - start_y);
-        const double needed_m = from_start_m < kStartReach_m
+        const double needed_m = from_start_m < kLeaving_m
                                     ? std::min(options.clearance_m, at_start_m)
                                     : options.clearance_m;
         if (room_m < needed_m || room_m <= 0) continue;

@@ -16,8 +16,9 @@ struct LocalSearchOptions {
   // Cells nearer to obstacles than this are closed (m, from centre to centre),
   // but for where the robot is already.
   double clearance_m = core::RobotModel().half_width_m + kManoeuvreRoom_m;
-  // Cells nearer than this cost more, up to 1 + price times.
-  double desired_m = kWishedRoom_m;
+  // Cells nearer than this cost more, up to 1 + price times: where the band
+  // would be pushed away (m).
+  double desired_m = core::RobotModel().half_width_m + kInflation_m;
   double price = kRoomPrice;
   // The search stays this far from the window's edge (m).
   double inset_m = kTwoCells_m;

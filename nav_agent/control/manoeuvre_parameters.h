@@ -37,56 +37,24 @@ inline constexpr base::Parameter<double> kGoalBrakeShare{
 inline constexpr base::Parameter<double> kGoalSpeed_mps{
     "goal_speed", 0.25, "m/s", base::ParameterOrigin::kTuned,
     "the fastest of the last decimetres"};
-inline constexpr base::Parameter<double> kGoalTurn_radps{
-    "goal_turn", 0.6, "rad/s", base::ParameterOrigin::kTuned,
-    "the fastest turn while it moves there"};
 // ---- standing, waiting, blocked ----
 inline constexpr base::Parameter<double> kBreak_s{
     "break", 0.4, "s", base::ParameterOrigin::kTuned,
-    "a break of the band must last: people pass"};
-inline constexpr base::Parameter<double> kMended_s{
-    "mended", 0.3, "s", base::ParameterOrigin::kTuned,
-    "and be gone for so long"};
-inline constexpr base::Parameter<double> kYoung_s{
-    "young", 2.5, "s", base::ParameterOrigin::kTuned,
-    "what has been there for less may go away by itself"};
+    "a break of the band must last, and be gone for so long: people pass"};
 inline constexpr base::Parameter<double> kPatience_s{
     "patience", 4.0, "s", base::ParameterOrigin::kTuned,
-    "so long it is waited for"};
-inline constexpr base::Parameter<double> kProgressAngle_rad{
-    "progress_angle", 0.15, "rad", base::ParameterOrigin::kTuned,
-    "a robot that turned by less has not got on"};
+    "so long it is waited for what may go away, and other ways are tried"};
 inline constexpr base::Parameter<double> kStuck_s{
     "stuck", 1.2, "s", base::ParameterOrigin::kTuned,
     "without getting on for so long, it is hindered"};
-inline constexpr base::Parameter<double> kHeld_s{
-    "held", 3.0, "s", base::ParameterOrigin::kTuned,
-    "and held by something unseen, if nothing is seen"};
-inline constexpr base::Parameter<double> kProbeTurn_radps{
-    "probe_turn", 0.3, "rad/s", base::ParameterOrigin::kTuned,
-    "with SlowSpeed: to see whether it might set off"};
 // ---- ways out ----
-inline constexpr base::Parameter<double> kEscapeTime_s{
-    "escape_time", 5.0, "s", base::ParameterOrigin::kTuned,
-    "so long other ways are tried before it is blocked"};
-inline constexpr base::Parameter<double> kEscaped_s{
-    "escaped", 0.8, "s", base::ParameterOrigin::kTuned,
-    "an escape goes on for so long at least"};
-inline constexpr base::Parameter<double> kEscapeHold_s{
-    "escape_hold", 0.7, "s", base::ParameterOrigin::kTuned,
-    "a small move is held, so that it does not dither"};
 inline constexpr base::Parameter<double> kEscapeAhead_s{
-    "escape_ahead", 1.0, "s", base::ParameterOrigin::kTuned,
-    "moves are judged by where they lead in this, and twice this"};
+    "escape_ahead", 0.8, "s", base::ParameterOrigin::kTuned,
+    "moves are judged by where they lead in this, and twice this; a move and "
+    "an escape last so long"};
 inline constexpr base::Parameter<double> kEscapeLook_m{
     "escape_look", 0.8, "m", base::ParameterOrigin::kTuned,
     "the point of the track that it should look at"};
-inline constexpr base::Parameter<double> kEscapeSpeed_mps{
-    "escape_speed", 0.12, "m/s", base::ParameterOrigin::kTuned,
-    "moves that are tried: this, half of it, and back"};
-inline constexpr base::Parameter<double> kEscapeTurn_radps{
-    "escape_turn", 0.35, "rad/s", base::ParameterOrigin::kTuned,
-    "turns that are tried: this, and twice this"};
 inline constexpr base::Parameter<double> kEscapeGain_rad{
     "escape_gain", 0.02, "rad", base::ParameterOrigin::kTuned,
     "a move must be better than none by more"};
@@ -112,23 +80,23 @@ inline constexpr base::Parameter<double> kImpatience{
 inline constexpr base::Parameter<double> kGotOn_m{
     "got_on", 0.15, "m", base::ParameterOrigin::kTuned,
     "it has got on when it is so far away"};
-inline constexpr base::Parameter<double> kRoundedMinTurn_radps{
-    "rounded_min_turn", 0.1, "rad/s", base::ParameterOrigin::kTuned,
-    "slower turns sweep nothing"};
 inline constexpr base::Parameter<std::array<double, 4>> kRoundedAhead_s{
     "rounded_ahead",
     {{0.3, 0.6, 0.9, 1.2}},
     "s",
     base::ParameterOrigin::kTuned,
     "there must be room so far along a rounded turn"};
-inline constexpr base::Parameter<double> kCornerSpeed_mps{
-    "corner_speed", 0.01, "m/s", base::ParameterOrigin::kTuned,
-    "the rear corner may move outwards so fast: speed and turn grow together"};
 inline constexpr base::Parameter<int> kTurnParts{
     "turn_parts", 72, "", base::ParameterOrigin::kGeometry,
     "headings of a full turn that are looked at: a corner moves by 4 cm"};
 
 // ---- what follows ----
+// A robot that turned by less has not got on: its corners moved by less than a
+// cell (rad).
+inline constexpr double kProgressAngle_rad = kCell_m / kCorner_m;
+// The fastest turn while it moves to the goal: no corner is faster than the
+// robot (rad/s).
+inline constexpr double kGoalTurn_radps = kGoalSpeed_mps / kCorner_m;
 // As gentle as the brake: of speed by distance, and of turning by angle (1/s).
 inline constexpr double kGoalGain_hz = kGoalBrakeShare * kTurnGain_hz;
 

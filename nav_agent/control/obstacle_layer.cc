@@ -13,7 +13,7 @@ namespace {
 constexpr int64_t kStandingAfter_ms = Milliseconds(kStandingAfter_s);
 
 uint8_t OneMore(uint8_t hits) {
-  return static_cast<uint8_t>(std::min(kMaxHits.value, hits + 1));
+  return static_cast<uint8_t>(std::min(kMaxHits, hits + 1));
 }
 
 uint8_t Fewer(uint8_t hits) {
@@ -56,7 +56,7 @@ void ObstacleLayer::Forget(int64_t now_ms) {
     if (seen.laser_hits == 0 && seen.depth_hits == 0) continue;
     const bool stood =
         seen.last_ms - seen.since_ms > kStandingAfter_ms && !seen.is_of_mover;
-    const double memory_s = stood ? kStandingMemory_s : kMovingMemory_s;
+    const double memory_s = stood ? kStandingMemory_s : kRecently_s;
     if (static_cast<double>(now_ms - seen.last_ms) > 1000 * memory_s) {
       seen = Seen();
     }

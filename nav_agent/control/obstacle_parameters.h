@@ -21,9 +21,6 @@ inline constexpr base::Parameter<double> kStepVoxels{
 inline constexpr base::Parameter<double> kClimbVoxels{
     "climb_voxels", 0.4, "voxels", base::ParameterOrigin::kGeometry,
     "the ground is spread anew before the robot is half a voxel off"};
-inline constexpr base::Parameter<double> kSeedReach_m{
-    "seed_reach", 0.5, "m", base::ParameterOrigin::kTuned,
-    "a robot not quite on free ground stands on what is this near"};
 inline constexpr base::Parameter<std::array<double, 7>> kSeedHeights_m{
     "seed_heights",
     {{0.0, 0.05, -0.05, 0.12, -0.12, 0.2, -0.2}},
@@ -37,9 +34,6 @@ inline constexpr base::Parameter<double> kGroundPerRange{
 inline constexpr base::Parameter<int> kHitsToMark{
     "hits_to_mark", 3, "looks", base::ParameterOrigin::kTuned,
     "one or two may be echoes from edges"};
-inline constexpr base::Parameter<int> kMaxHits{
-    "max_hits", 8, "looks", base::ParameterOrigin::kTuned,
-    "four looks through a cell clear it"};
 inline constexpr base::Parameter<int> kMissWeight{
     "miss_weight", 2, "looks", base::ParameterOrigin::kTuned,
     "clearing is faster than marking: who walks leaves no trail"};
@@ -61,22 +55,16 @@ inline constexpr base::Parameter<double> kLookHeight_m{
 inline constexpr base::Parameter<double> kDepthRange_m{
     "depth_range", 3.0, "m", base::ParameterOrigin::kPhysics,
     "an RGB-D camera's noise grows with the square of depth"};
-inline constexpr base::Parameter<int> kDepthColumns{
-    "depth_columns", 160, "columns", base::ParameterOrigin::kTuned,
-    "of a picture that are used: finer than the cells at 3 m"};
 // ---- for how long ----
 inline constexpr base::Parameter<double> kRecently_s{
     "recently", 3.0, "s", base::ParameterOrigin::kTuned,
-    "a place that was seen free, or somebody out of sight, may be as it was"};
+    "for so long what was free, moved, or came in the way may be as it was"};
 inline constexpr base::Parameter<double> kStandingAfter_s{
     "standing_after", 1.0, "s", base::ParameterOrigin::kTuned,
     "what has stood for less moves, if it came to where nothing was"};
-inline constexpr base::Parameter<double> kMovingMemory_s{
-    "moving_memory", 2.0, "s", base::ParameterOrigin::kTuned,
-    "unseen, what moved is forgotten after this"};
 inline constexpr base::Parameter<double> kStandingMemory_s{
     "standing_memory", 60.0, "s", base::ParameterOrigin::kTuned,
-    "and what stood after this"};
+    "unseen, what stood is forgotten after this"};
 // ---- who moves ----
 inline constexpr base::Parameter<double> kLegsApart_m{
     "legs_apart", 0.4, "m", base::ParameterOrigin::kGeometry,
@@ -100,12 +88,12 @@ inline constexpr base::Parameter<double> kMaxWalkingSpeed_mps{
 inline constexpr base::Parameter<double> kPointMargin_m{
     "point_margin", 0.04, "m", base::ParameterOrigin::kMeasured,
     "with 1 cm of laser noise a turning robot crept into a bench at 0.03 m"};
+inline constexpr base::Parameter<double> kLaserNoise_m{
+    "laser_noise", 0.01, "m", base::ParameterOrigin::kMeasured,
+    "standard deviation of a range up to 10 m: the data sheet of a UTM-30LX"};
 inline constexpr base::Parameter<double> kCellMargin_m{
     "cell_margin", 0.045, "m", base::ParameterOrigin::kGeometry,
     "the middle of a cell of the map is half a cell off its edge"};
-inline constexpr base::Parameter<double> kMarginPerSpeed_s{
-    "margin_per_speed", 0.06, "s", base::ParameterOrigin::kTuned,
-    "what more is kept for each m/s: lateness of scans and poses"};
 inline constexpr base::Parameter<double> kReaction_s{
     "reaction", 0.08, "s", base::ParameterOrigin::kPhysics,
     "from a command until the base obeys it: three cycles"};
@@ -126,7 +114,8 @@ inline constexpr base::Parameter<double> kLostMargin_m{
     "from the middle of somebody who is out of sight"};
 inline constexpr base::Parameter<double> kOutwardSpeed_mps{
     "outward_speed", 0.005, "m/s", base::ParameterOrigin::kTuned,
-    "an edge beside somebody does not move outwards, but for rounding"};
+    "an edge beside somebody does not move outwards, but for rounding; turns "
+    "that are rounded do not either"};
 inline constexpr base::Parameter<std::array<double, 7>> kGuardShares{
     "guard_shares",
     {{1.0, 0.8, 0.6, 0.4, 0.25, 0.12, 0.06}},
@@ -136,17 +125,31 @@ inline constexpr base::Parameter<std::array<double, 7>> kGuardShares{
 inline constexpr base::Parameter<double> kSweepStep_m{
     "sweep_step", 0.02, "m", base::ParameterOrigin::kGeometry,
     "less than the half of a cell: a sweep looks at the footprint so often"};
-inline constexpr base::Parameter<int> kMaxLooks{
-    "max_looks", 60, "looks", base::ParameterOrigin::kTuned,
-    "bounds the time that a check takes"};
 inline constexpr base::Parameter<double> kGuardSlack_m{
     "guard_slack", 2e-4, "m", base::ParameterOrigin::kPhysics,
     "rounding: what is too near already is not nearer for that"};
-inline constexpr base::Parameter<double> kSameBeam_m{
-    "same_beam", 0.012, "m", base::ParameterOrigin::kTuned,
-    "points of neighbouring beams that end side by side say the same"};
 
 // ---- what follows ----
+// One look more than marks a cell clears it, however often it was hit.
+inline constexpr int kMaxHits = kMissWeight * (kHitsToMark + 1);
+// Of a picture that is a radian wide, as an Xtion's, two a cell where it is
+// coarsest.
+inline constexpr auto kDepthColumns =
+    static_cast<int>(2 * kDepthRange_m / kCostmapResolution_m);
+// Scans and poses are each a cycle old at most: what more is kept for each m/s
+// (s).
+inline constexpr double kMarginPerSpeed_s = 2 * kCycle_s;
+// A robot not quite on free ground stands on what its corners reach (m).
+inline constexpr double kSeedReach_m = kCorner_m;
+// A laser cannot tell less from nothing: a footprint with less room touches,
+// and points that are nearer to each other say the same (m).
+inline constexpr double kFreeRoom_m = kLaserNoise_m;
+inline constexpr double kSameBeam_m = kLaserNoise_m;
+// What is too near already may come nearer by what a laser does not see (m).
+inline constexpr double kMaxApproach_m = kLaserNoise_m / 2;
+// Room beside the footprint that a turn, a search and a bubble want: what the
+// guard keeps, and a step of its sweep (m).
+inline constexpr double kManoeuvreRoom_m = kPointMargin_m + kSweepStep_m;
 // What ends lower above the ground is ground: two voxels (m).
 inline constexpr double kGroundTolerance_m = 2 * kCostmapResolution_m;
 // Longer ago is not this moment: six scans (s).
@@ -161,9 +164,6 @@ inline constexpr double kCutAtEdge_m = kLegsApart_m / 2;
 inline constexpr double kMovingMargin_m = kLegsApart_m / 2;
 // A beam that ends so much nearer than a body ends on somebody else (m).
 inline constexpr double kInFront_m = kBodyMargin_m;
-// What is left of a command is no motion any more.
-inline constexpr double kMinSpeed_mps = kNoMotionShare * kStandingSpeed_mps;
-inline constexpr double kMinTurn_radps = kNoMotionShare * kStandingTurn_radps;
 
 // What is seen this near to what the map has already is the map's (m).
 inline constexpr double kMapBand_m = 1.5 * kCostmapResolution_m;

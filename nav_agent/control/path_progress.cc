@@ -51,7 +51,7 @@ void PathProgress::Follow(const core::LevelPose& pose) {
         std::clamp(starts_m_[i - 1] + part * (starts_m_[i] - starts_m_[i - 1]),
                    from_m, until_m);
     const double off_m = geometry::Norm(begin + part * way - at);
-    const double score = off_m + kPathSkip * std::max(0.0, along_m - along_m_);
+    const double score = off_m + kSkipCost * std::max(0.0, along_m - along_m_);
     if (score < best) {
       best = score;
       best_along_m = along_m;

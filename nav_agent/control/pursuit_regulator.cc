@@ -34,7 +34,8 @@ core::VelocityCommand PursuitRegulator::Command(
   const double curvature = 2 * target.y / (distance_m * distance_m);
   double speed = SpeedOnArc_mps(SpeedProfile(track, 0, robot_, options_)[0],
                                 curvature, robot_, options_);
-  speed *= std::max(kMinHeadingShare.value, 1 - off_rad / kTurnFrom_rad);
+  speed = std::max(std::min(kCreep_mps, speed),
+                   speed * (1 - off_rad / kTurnFrom_rad));
   const double yaw_rate = kYawShare * robot_.max_yaw_rate_radps;
   return {.forward_mps = speed,
           .yaw_rate_radps = std::clamp(speed * curvature, -yaw_rate, yaw_rate)};

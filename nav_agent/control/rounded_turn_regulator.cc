@@ -17,7 +17,7 @@ void RoundedTurnRegulator::Regulate(const RegulatorInput& input,
   const core::VelocityCommand& wanted = regulated.velocity;
   const double turn_radps = std::abs(wanted.yaw_rate_radps);
   const double needed_mps = robot_.half_width_m * turn_radps;
-  if (turn_radps < kRoundedMinTurn_radps || wanted.forward_mps < 0 ||
+  if (turn_radps < kStandingTurn_radps || wanted.forward_mps < 0 ||
       wanted.forward_mps >= needed_mps) {
     return;
   }
@@ -35,7 +35,7 @@ void RoundedTurnRegulator::Regulate(const RegulatorInput& input,
   if (input.guard.Check(arc, input.points).is_limited) return;
   // Speed and turn rate grow together.
   const double swept_radps =
-      (std::max(0.0, input.pose.forward_mps) + kCornerSpeed_mps) /
+      (std::max(0.0, input.pose.forward_mps) + kOutwardSpeed_mps) /
       robot_.half_width_m;
   arc.yaw_rate_radps =
       std::copysign(std::min(turn_radps, swept_radps), wanted.yaw_rate_radps);

@@ -34,12 +34,19 @@ inline constexpr base::Parameter<double> kDepthRate_hz{
 inline constexpr base::Parameter<double> kStandingSpeed_mps{
     "standing_speed", 0.02, "m/s", base::ParameterOrigin::kTuned,
     "slower than this the robot stands; the slowest of an approach"};
-inline constexpr base::Parameter<double> kStandingTurn_radps{
-    "standing_turn", 0.05, "rad/s", base::ParameterOrigin::kTuned,
-    "the same of turning"};
-inline constexpr base::Parameter<double> kNoMotionShare{
-    "no_motion_share", 0.3, "", base::ParameterOrigin::kTuned,
-    "of those: what is left of a command is no motion any more"};
+inline constexpr base::Parameter<double> kCorner_m{
+    "corner", 0.43, "m", base::ParameterOrigin::kGeometry,
+    "from the axle's middle to the robot's furthest corner: what a turn of 1 "
+    "rad moves"};
+
+// ---- what follows ----
+// A robot turns slowly if its corners move slowly, and stands if they do
+// (rad/s).
+inline constexpr double kStandingTurn_radps = kStandingSpeed_mps / kCorner_m;
+// Half of that is no motion at all: pictures are sharp, and what is left of a
+// command is not worth it.
+inline constexpr double kMinSpeed_mps = kStandingSpeed_mps / 2;
+inline constexpr double kMinTurn_radps = kStandingTurn_radps / 2;
 
 }  // namespace treeline::control
 

@@ -51,7 +51,7 @@ TEST(CurvatureRegulator, IsAsFastAsItCanTurn) {
 
 TEST(CornerRegulator, CreepsToWhereItTurnsOnTheSpot) {
   const CornerRegulator regulator;
-  EXPECT_NEAR(regulator.Regulated(0.6, {.turn_rad = 1.5}), 0.08, 1e-9);
+  EXPECT_NEAR(regulator.Regulated(0.6, {.turn_rad = 1.5}), 0.075, 1e-9);
   EXPECT_EQ(regulator.Regulated(0.6, {.turn_rad = 0.8}), 0.6);
 }
 

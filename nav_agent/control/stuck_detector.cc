@@ -51,7 +51,7 @@ ControlState StuckDetector::Decide(const StuckDetectorInput& input) {
       waiting_since_.reset();
       is_blocked_ = false;
       // An escape goes on until the robot has got away.
-      if (!is_stuck && Since_s(escaping_since_, input.stamp) > kEscaped_s) {
+      if (!is_stuck && Since_s(escaping_since_, input.stamp) > kEscapeAhead_s) {
         escaping_since_.reset();
         wants_escape_ = false;
       }

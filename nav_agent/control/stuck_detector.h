@@ -15,10 +15,10 @@ namespace treeline::control {
 struct StuckDetectorOptions {
   // A break must last before it counts, and be gone before it does not (s).
   double break_s = kBreak_s;
-  double mended_s = kMended_s;
+  double mended_s = kBreak_s;
   // What has been there for less may go away by itself, and is waited for at
   // most so long (s).
-  double young_s = kYoung_s;
+  double young_s = kRecently_s;
   double patience_s = kPatience_s;
   // Driving that gets nowhere: this far in this time (m, rad, s).
   double progress_m = kCell_m;
@@ -26,9 +26,9 @@ struct StuckDetectorOptions {
   double stuck_s = kStuck_s;
   // Without anything seen in its way, it is held by something unseen after this
   // time (s).
-  double held_s = kHeld_s;
+  double held_s = kRecently_s;
   // So long other ways are tried to get on (s).
-  double escape_s = kEscapeTime_s;
+  double escape_s = kPatience_s;
 };
 
 struct StuckDetectorInput {

@@ -338,7 +338,7 @@ ScanPoints Amcl::WithoutGround(const ScanPoints& points) const {
 ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
   // Particles by weight, evenly.
   const size_t judging_particles =
-      std::min(kWitnessParticles.value, particles_.size());
+      std::min(kWitnessParticles, particles_.size());
   const float explained_log = field().LogAt(options_.beam_skip_distance_m);
   std::vector<int> explained(points.size());
   std::vector<float> logs(points.size());

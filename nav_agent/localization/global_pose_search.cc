@@ -77,10 +77,8 @@ void GlobalPoseSearch::Keep(std::vector<Tried>& tried) {
   std::ranges::stable_sort(tried, [](const Tried& a, const Tried& b) {
     return a.log_likelihood > b.log_likelihood;
   });
-  size_t looked = 0;
   for (const Tried& one : tried) {
     // The rest of a slice is of no worth.
-    if (++looked > kSearchKeep * options_.candidates) break;
     if (best_.size() >= options_.candidates &&
         one.log_likelihood <= best_.back().log_likelihood) {
       break;
@@ -89,10 +87,12 @@ void GlobalPoseSearch::Keep(std::vector<Tried>& tried) {
     const auto near = std::ranges::find_if(best_, [&](const Tried& other) {
       return AreNear(other.pose, one.pose);
     });
-    if (near != best_.end()) {
-      if (near->log_likelihood < one.log_likelihood) *near = one;
-    } else {
+    if (near == best_.end()) {
       best_.push_back(one);
+    } else if (near->log_likelihood < one.log_likelihood) {
+      *near = one;
+    } else {
+      continue;
     }
     std::ranges::stable_sort(best_, [](const Tried& a, const Tried& b) {
       return a.log_likelihood > b.log_likelihood;

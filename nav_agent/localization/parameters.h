@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "common/base/parameter.h"
@@ -49,12 +50,10 @@ inline constexpr base::Parameter<double> kMinCountingShare{
 inline constexpr base::Parameter<double> kSearchingShare{
     "searching_share", 0.3, "", base::ParameterOrigin::kTuned,
     "of a scan's weight while particles are few for the room"};
-inline constexpr base::Parameter<double> kRegularization_m{
-    "regularization", 0.1, "m", base::ParameterOrigin::kTuned,
-    "spread after drawing (Musso, Oudjane, Le Gland, 2001)"};
 inline constexpr base::Parameter<double> kFoundShare{
     "found_share", 0.95, "", base::ParameterOrigin::kTuned,
-    "of the weight in one cluster: the place is found"};
+    "of the weight in one cluster: the place is found; and the probability "
+    "that a robot which is called lost is lost"};
 inline constexpr base::Parameter<double> kBeamSkipThreshold{
     "skip_below_share", 0.3, "", base::ParameterOrigin::kTuned,
     "of the particles that explain a beam: else a person, a moved chair"};
@@ -82,15 +81,12 @@ inline constexpr base::Parameter<double> kBeamGroundShare{
 inline constexpr base::Parameter<double> kResampleBelow{
     "resample_below", 0.5, "", base::ParameterOrigin::kTuned,
     "of the particles count"};
-inline constexpr base::Parameter<size_t> kWitnessParticles{
-    "judging_particles", 256, "", base::ParameterOrigin::kTuned,
-    "enough to tell whether a beam is explained"};
 
 // ---- The likelihood field and its layers ----
 
 inline constexpr base::Parameter<double> kHitStd_m{
     "hit_std", 0.2, "m", base::ParameterOrigin::kTuned,
-    "of a beam's end (Nav2's)"};
+    "of a beam's end (Nav2's): voxels, and the estimate's error"};
 inline constexpr base::Parameter<double> kBeamHitShare{
     "beam_hit_share", 0.9, "", base::ParameterOrigin::kTuned,
     "of beams that the map explains"};
@@ -102,7 +98,8 @@ inline constexpr base::Parameter<int64_t> kMaxFieldBytes{
     "memory of one field"};
 inline constexpr base::Parameter<double> kMaxRise_m{
     "max_rise", 0.3, "m", base::ParameterOrigin::kTuned,
-    "between grounds that the robot goes over"};
+    "between grounds that the robot goes over; a fix is of the ground that is "
+    "this near"};
 inline constexpr base::Parameter<double> kSameHeight_m{
     "same_height", 0.0001, "m", base::ParameterOrigin::kPhysics, "rounding"};
 
@@ -110,11 +107,9 @@ inline constexpr base::Parameter<double> kSameHeight_m{
 
 inline constexpr base::Parameter<double> kTurnFromTurn{
     "turn_from_turn", 0.1, "", base::ParameterOrigin::kTuned,
-    "rad per rad; a differential drive on firm ground"};
+    "rad per rad, and m per m; a differential drive on firm ground"};
 inline constexpr base::Parameter<double> kTurnFromDrive{
     "turn_from_drive", 0.05, "", base::ParameterOrigin::kTuned, "rad per m"};
-inline constexpr base::Parameter<double> kDriveFromDrive{
-    "drive_from_drive", 0.08, "", base::ParameterOrigin::kTuned, "m per m"};
 inline constexpr base::Parameter<double> kDriveFromTurn{
     "drive_from_turn", 0.02, "", base::ParameterOrigin::kTuned, "m per rad"};
 inline constexpr base::Parameter<double> kMinCourse_m{
@@ -134,23 +129,12 @@ inline constexpr base::Parameter<double> kViewHitShare{
 
 // ---- The check of one scan ----
 
-inline constexpr base::Parameter<int> kCheckedBeams{
-    "checked_beams", 120, "", base::ParameterOrigin::kTuned, "evenly spread"};
-inline constexpr base::Parameter<double> kRangeTolerance_m{
-    "range_tolerance", 0.2, "m", base::ParameterOrigin::kTuned,
-    "of a range; voxels of 5 cm, and the estimate's error"};
 inline constexpr base::Parameter<double> kRangeToleranceShare{
     "range_tolerance_share", 0.02, "", base::ParameterOrigin::kTuned,
     "of a range, for the heading's error"};
 inline constexpr base::Parameter<double> kMinCheckRange_m{
     "min_check_range", 0.3, "m", base::ParameterOrigin::kGeometry,
     "nearer is the robot itself"};
-inline constexpr base::Parameter<double> kFieldReach_m{
-    "field_reach", 2, "m", base::ParameterOrigin::kTuned,
-    "of the distance field"};
-inline constexpr base::Parameter<double> kGroundEnd_m{
-    "ground_end", 0.15, "m", base::ParameterOrigin::kTuned,
-    "ends this low may be on the ground"};
 inline constexpr base::Parameter<double> kMaxBeamRange_m{
     "max_beam_range", 100, "m", base::ParameterOrigin::kPhysics,
     "bounds what a broken range costs"};
@@ -162,7 +146,8 @@ inline constexpr base::Parameter<double> kMinLevelShare{
 
 inline constexpr base::Parameter<double> kEvidenceInterval_s{
     "evidence_interval", 0.5, "s", base::ParameterOrigin::kTuned,
-    "scans of a robot that stands tell the same"};
+    "scans of a robot that stands tell the same; a jump is against what was "
+    "seen so long ago"};
 inline constexpr base::Parameter<double> kMaxEvidenceFor{
     "max_evidence_for", 4, "", base::ParameterOrigin::kTuned,
     "of one scan, log of the odds"};
@@ -181,8 +166,6 @@ inline constexpr base::Parameter<double> kJumpTo{
 inline constexpr base::Parameter<double> kKidnapChance{
     "kidnap_chance", 0.3, "", base::ParameterOrigin::kTuned,
     "of a full jump, and of a robot that is lifted"};
-inline constexpr base::Parameter<double> kDeclareLost{
-    "declare_lost", 0.95, "", base::ParameterOrigin::kTuned, "probability"};
 inline constexpr base::Parameter<double> kWithdrawLost{
     "withdraw_lost", 0.2, "", base::ParameterOrigin::kTuned,
     "probability; also the most that a place found by laser may have"};
@@ -216,29 +199,18 @@ inline constexpr base::Parameter<double> kUsualResidual{
 inline constexpr base::Parameter<double> kOnSlope_rad{
     "on_slope", 0.03, "rad", base::ParameterOrigin::kMeasured,
     "less is the sensor's error"};
-inline constexpr base::Parameter<double> kScanMemory_s{
-    "scan_memory", 1.2, "s", base::ParameterOrigin::kTuned, "of scans"};
-inline constexpr base::Parameter<double> kJumpAge_s{
-    "jump_age", 0.45, "s", base::ParameterOrigin::kTuned,
-    "a jump is against what was seen then"};
 inline constexpr base::Parameter<double> kSameRange_m{
     "same_range", 0.15, "m", base::ParameterOrigin::kTuned,
     "the same thing, seen again"};
 inline constexpr base::Parameter<double> kSameRangeShare{
     "same_range_share", 0.03, "", base::ParameterOrigin::kTuned,
     "and of its range"};
-inline constexpr base::Parameter<double> kMaxResidual_m{
-    "max_residual", 0.25, "m", base::ParameterOrigin::kTuned,
-    "an end counts as explained up to here"};
 
 // ---- The tracker ----
 
 inline constexpr base::Parameter<double> kScanInterval_s{
     "scan_interval", 0.09, "s", base::ParameterOrigin::kTuned,
     "scans of 10 Hz and more; a younger one tells the same"};
-inline constexpr base::Parameter<double> kSearchingInterval_s{
-    "searching_interval", 0.3, "s", base::ParameterOrigin::kTuned,
-    "with thirty thousand particles"};
 inline constexpr base::Parameter<size_t> kMaxWaitingScans{
     "max_waiting_scans", 8, "", base::ParameterOrigin::kPhysics,
     "bounds the memory while the base is silent"};
@@ -247,19 +219,11 @@ inline constexpr base::Parameter<double> kWheelMemory_s{
 inline constexpr base::Parameter<double> kTiltFilterShare{
     "tilt_filter_share", 0.2, "", base::ParameterOrigin::kTuned,
     "of one reading: its noise is not tilt"};
-inline constexpr base::Parameter<double> kMaxScanAhead_s{
-    "max_scan_ahead", 0.05, "s", base::ParameterOrigin::kTuned,
-    "of a scan before the wheels are heard of"};
 
 // ---- The search over the whole map ----
 
 inline constexpr base::Parameter<double> kSearchGrid_m{
     "search_grid", 0.25, "m", base::ParameterOrigin::kTuned, "between places"};
-inline constexpr base::Parameter<int> kSearchHeadings{
-    "search_headings", 48, "", base::ParameterOrigin::kTuned, "at each"};
-inline constexpr base::Parameter<double> kRefineStep_m{
-    "refine_step", 0.12, "m", base::ParameterOrigin::kTuned,
-    "about half of that grid; then half of it again"};
 inline constexpr base::Parameter<double> kOtherPlace_m{
     "other_place", 0.7, "m", base::ParameterOrigin::kTuned,
     "further away is another place"};
@@ -275,12 +239,42 @@ inline constexpr base::Parameter<size_t> kSearchCandidates{
 inline constexpr base::Parameter<size_t> kSearchSlice{
     "search_slice", 8000, "", base::ParameterOrigin::kTuned,
     "poses in a step: about 2 ms"};
-inline constexpr base::Parameter<size_t> kSearchKeep{
-    "search_keep", 40, "", base::ParameterOrigin::kTuned,
-    "times the candidates: the rest of a slice is of no worth"};
 
 // ---- what follows from others ----
 
+// The map's voxels (m).
+inline constexpr double kVoxel_m = kLayer_m / 2;
+// Some of the fewest particles are enough to tell whether a beam is explained.
+inline constexpr size_t kWitnessParticles = kMinParticles / 2;
+// Particles are spread by half of what a beam's end is off, which tells them
+// apart (m).
+inline constexpr double kRegularization_m = kHitStd_m / 2;
+// A range may be off as a beam's end may be (m).
+inline constexpr double kRangeTolerance_m = kHitStd_m;
+// An end counts as explained up to a voxel further (m).
+inline constexpr double kMaxResidual_m = kRangeTolerance_m + kVoxel_m;
+// The distance field reaches as far as the longest range may be off (m).
+inline constexpr double kFieldReach_m =
+    kRangeTolerance_m + kRangeToleranceShare * kViewRange_m;
+// Ends this low may be on the ground, which may be a voxel off itself (m).
+inline constexpr double kGroundEnd_m = kLayer_m + kVoxel_m;
+// The check looks at every beam that AMCL takes, and one between two.
+inline constexpr int kCheckedBeams = 2 * kScanBeams;
+inline constexpr double kDriveFromDrive = kTurnFromTurn;
+// As sure as AMCL has found a place.
+inline constexpr double kDeclareLost = kFoundShare;
+// Neighbouring headings of the search move what is a lever away as far as
+// neighbouring places do.
+inline constexpr auto kSearchHeadings =
+    static_cast<int>(2 * std::numbers::pi * kHeadingLever_m / kSearchGrid_m);
+// Its result is refined by half of its grid, then by half of that (m).
+inline constexpr double kRefineStep_m = kSearchGrid_m / 2;
+// A search over the whole map takes as long as three scans (s).
+inline constexpr double kSearchingInterval_s = 3 * kScanInterval_s;
+// The wheels are heard of within half of the time between two scans (s).
+inline constexpr double kMaxScanAhead_s = kScanInterval_s / 2;
+// A jump is against what was seen one piece of evidence ago (s).
+inline constexpr double kJumpAge_s = kEvidenceInterval_s;
 // A ray for every half of a checked beam, and a sector for every one.
 inline constexpr int kViewDirections = 2 * kCheckedBeams;
 inline constexpr size_t kSectors = kCheckedBeams;
@@ -302,6 +296,9 @@ inline constexpr double kMaxEvidenceAgainst = kMaxEvidenceFor / 2;
 inline constexpr double kMaxLogOdds = 2 * kMaxEvidenceFor;
 // What stands was there one piece of evidence before a jump (s).
 inline constexpr double kIdentityAge_s = kJumpAge_s + kEvidenceInterval_s;
+// Scans are kept for as long as the oldest that is compared with may be old,
+// however rarely they come (s).
+inline constexpr double kScanMemory_s = kIdentityAge_s + kSearchingInterval_s;
 // Nothing younger than the scan before is compared with (s).
 inline constexpr double kYoungestScan_s = kScanInterval_s;
 

@@ -1,7 +1,9 @@
 #include "nav_agent/localization/parameters.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "nav_agent/localization/laser_views.h"
@@ -20,7 +22,16 @@ TEST(LocalizationParameters, HaveANameOfTheirOwnAndSayWhy) {
   }
 }
 
-TEST(LocalizationParameters, DerivedOnesAreAsTheyWereTuned) {
+// More than this is not wanted: what follows from the robot's measures or from
+// another constant is derived.
+TEST(LocalizationParameters, FewAreTuned) {
+  const std::vector<base::ParameterRow> rows = LocalizationParameters();
+  EXPECT_LE(std::ranges::count(rows, base::ParameterOrigin::kTuned,
+                               &base::ParameterRow::origin),
+            57);
+}
+
+TEST(LocalizationParameters, DerivedOnesAreWhatTheyFollowTo) {
   EXPECT_EQ(kBeamGround_m, 0.1);
   EXPECT_EQ(kViewDirections, 240);
   EXPECT_EQ(kSectors, 120u);
@@ -33,7 +44,21 @@ TEST(LocalizationParameters, DerivedOnesAreAsTheyWereTuned) {
   EXPECT_EQ(kHeightTolerance_m, 0.2);
   EXPECT_EQ(kMaxEvidenceAgainst, 2);
   EXPECT_EQ(kMaxLogOdds, 8);
-  EXPECT_EQ(kIdentityAge_s, 0.95);
+  EXPECT_EQ(kJumpAge_s, 0.5);
+  EXPECT_EQ(kIdentityAge_s, 1);
+  EXPECT_DOUBLE_EQ(kScanMemory_s, 1.27);
+  EXPECT_DOUBLE_EQ(kSearchingInterval_s, 0.27);
+  EXPECT_EQ(kMaxScanAhead_s, 0.045);
+  EXPECT_EQ(kWitnessParticles, 250u);
+  EXPECT_EQ(kRegularization_m, 0.1);
+  EXPECT_EQ(kRangeTolerance_m, 0.2);
+  EXPECT_EQ(kMaxResidual_m, 0.25);
+  EXPECT_EQ(kFieldReach_m, 0.7);
+  EXPECT_DOUBLE_EQ(kGroundEnd_m, 0.15);
+  EXPECT_EQ(kCheckedBeams, 120);
+  EXPECT_EQ(kSearchHeadings, 50);
+  EXPECT_EQ(kRefineStep_m, 0.125);
+  EXPECT_EQ(kDeclareLost, 0.95);
   EXPECT_EQ(LaserViewOptions().laser_height_m, 0.35);
 }
 

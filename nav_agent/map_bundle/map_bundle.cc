@@ -135,6 +135,34 @@ absl::StatusOr<std::vector<core::OccupancyGrid>> ReadLevels(
   return grids;
 }
 
+// The same voxels in the box of the levels' cells: a file of voxels leaves out
+// what is unknown around them, and planar levels are drawn with it.
+absl::StatusOr<octree::VoxelMap> WithCellsOf(
+    const traversability::TraversableMap& levels,
+    const octree::VoxelMap& voxels) {
+  const core::OccupancyGrid& grid = levels.levels[0].grid;
+  const double resolution_m = voxels.resolution_m();
+  const geometry::Vec2 corner = grid.map_from_grid.translation;
+  const octree::VoxelIndex old = voxels.lowest();
+  const octree::VoxelIndex lowest = {
+      static_cast<int>(std::lround(corner.x / resolution_m)),
+      static_cast<int>(std::lround(corner.y / resolution_m)), old.z};
+  TL_ASSIGN_OR_RETURN(
+      octree::VoxelMap made,
+      octree::VoxelMap::Make(resolution_m, lowest,
+                             {grid.width, grid.height, voxels.size().z}));
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      for (int z = 0; z < voxels.size().z; ++z) {
+        const octree::Voxel voxel =
+            voxels.At({x + lowest.x - old.x, y + lowest.y - old.y, z});
+        if (voxel != octree::Voxel::kUnknown) made.Set({x, y, z}, voxel);
+      }
+    }
+  }
+  return made;
+}
+
 }  // namespace
 
 absl::Status BeginMapBundle(const std::string& folder, bool overwrite) {
@@ -263,6 +291,8 @@ absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder) {
   if (!bundle.manifest.planar_heights_m.empty()) {
     TL_ASSIGN_OR_RETURN(bundle.levels,
                         PlanarLevels(drawn, bundle.manifest.planar_heights_m));
+    TL_ASSIGN_OR_RETURN(bundle.voxels,
+                        WithCellsOf(bundle.levels, bundle.voxels));
     return bundle;
   }
   absl::StatusOr<traversability::TraversableMap> levels =

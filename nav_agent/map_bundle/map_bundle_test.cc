@@ -200,6 +200,31 @@ TEST_F(MapBundleTest, ALaserAloneMakesPlanarLevels) {
   ASSERT_TRUE(bundle.ok()) << bundle.status();
   EXPECT_EQ(bundle->levels.levels[0].grid.cells, grid.cells);
   EXPECT_EQ(bundle->levels.levels[1].height_m[0], 3);
+  EXPECT_EQ(bundle->voxels, *voxels);
+}
+
+TEST_F(MapBundleTest, VoxelsOfPlanarLevelsHaveTheirUnknownMarginsToo) {
+  core::OccupancyGrid ground = core::OccupancyGrid::Filled(
+      9, 8, 0.05, {.translation = {-0.5, 0.2}}, core::Occupancy::kUnknown);
+  ground.Set({3, 4}, core::Occupancy::kOccupied);
+  ground.Set({5, 2}, core::Occupancy::kFree);
+  const auto levels = PlanarLevels({&ground, 1}, std::vector<double>{0});
+  ASSERT_TRUE(levels.ok()) << levels.status();
+  const auto voxels = PlanarVoxels(*levels, 0.33);
+  ASSERT_TRUE(voxels.ok()) << voxels.status();
+  ASSERT_TRUE(BeginMapBundle(folder_, /*overwrite=*/false).ok());
+  ASSERT_TRUE(octree::WriteOctree(*voxels, Part(kBundleOctomap)).ok());
+  ASSERT_TRUE(
+      traversability::WriteTraversableMap(*levels, 0.3, Part(kBundleLevels))
+          .ok());
+  ASSERT_TRUE(WriteBundleTrajectory(folder_, {}).ok());
+  MapBundleManifest manifest = Manifest();
+  manifest.levels = 1;
+  manifest.planar_heights_m = {0};
+  ASSERT_TRUE(FinishMapBundle(folder_, manifest).ok());
+  const auto bundle = LoadMapBundle(folder_);
+  ASSERT_TRUE(bundle.ok()) << bundle.status();
+  EXPECT_EQ(bundle->voxels, *voxels);
 }
 
 TEST_F(MapBundleTest, KeyframesAreARecordingToTrainOn) {

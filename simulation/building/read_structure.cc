@@ -266,7 +266,8 @@ absl::Status ReadWalls(const yaml::YamlNode& file, BuildingPlan& plan) {
 absl::Status ReadPillars(const yaml::YamlNode& file, BuildingPlan& plan) {
   TL_ASSIGN_OR_RETURN(
       const std::vector<yaml::YamlNode> items,
-      ReadList(file, "pillars", {"at", "width", "round", "height", "finish"}));
+      ReadList(file, "pillars", {"at", "width", "round", "height", "finish"},
+               kMaxPillars));
   for (const yaml::YamlNode& item : items) {
     PlanPillar pillar;
     TL_ASSIGN_OR_RETURN(const yaml::YamlNode at, item.Get("at"));

@@ -13,11 +13,11 @@ namespace treeline::building {
 
 absl::StatusOr<std::vector<yaml::YamlNode>> ReadList(
     const yaml::YamlNode& file, absl::string_view key,
-    std::initializer_list<absl::string_view> known) {
+    std::initializer_list<absl::string_view> known, size_t most) {
   TL_ASSIGN_OR_RETURN(std::vector<yaml::YamlNode> items, file.Items(key));
-  if (items.size() > kMaxThings) {
-    return items[kMaxThings].Error(
-        absl::StrCat("more than ", kMaxThings, " in '", key, "'"));
+  if (items.size() > most) {
+    return items[most].Error(
+        absl::StrCat("more than ", most, " in '", key, "'"));
   }
   for (const yaml::YamlNode& item : items)
     TL_RETURN_IF_ERROR(item.CheckKeys(known));

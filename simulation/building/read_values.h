@@ -14,12 +14,14 @@ namespace treeline::building {
 
 // How many of each thing a file may have, and how far things may be.
 inline constexpr size_t kMaxThings = 500;
+// A field of thin posts has many.
+inline constexpr size_t kMaxPillars = 2000;
 inline constexpr double kMaxSize_m = 200;
 
 // The maps of the list `key`, each with no keys but the known ones.
 absl::StatusOr<std::vector<yaml::YamlNode>> ReadList(
     const yaml::YamlNode& file, absl::string_view key,
-    std::initializer_list<absl::string_view> known);
+    std::initializer_list<absl::string_view> known, size_t most = kMaxThings);
 
 // A name of letters, digits, '-' and '_', at most 40.
 absl::StatusOr<std::string> ReadName(const yaml::YamlNode& node);

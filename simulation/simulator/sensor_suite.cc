@@ -23,6 +23,17 @@ core::RangeSensorInfo InfoOf(const sensors::LaserScannerOptions& laser) {
           .scan_interval_s = laser.scan_interval_s};
 }
 
+void SetGeometry(const core::RangeSensorInfo& info,
+                 sensors::LaserScannerOptions& laser) {
+  laser.angle_min_rad = info.angle_min_rad;
+  laser.angle_increment_rad = info.angle_increment_rad;
+  laser.beams = info.beams;
+  laser.range_min_m = info.range_min_m;
+  laser.range_max_m = info.range_max_m;
+  laser.beam_interval_s = info.beam_interval_s;
+  laser.scan_interval_s = info.scan_interval_s;
+}
+
 absl::Status Silent(const char* device) {
   return absl::UnavailableError(
       absl::StrCat("the ", device, " is silent (simulated fault)"));
@@ -39,6 +50,12 @@ SimTime DelayFault(const FaultPlan& faults, FaultTarget target, SimTime time) {
 }
 
 }  // namespace
+
+void SensorOptions::UseLasers(const core::RobotLasers& lasers) {
+  SetGeometry(lasers.front, laser);
+  has_rear_laser = lasers.rear.has_value();
+  if (has_rear_laser) SetGeometry(*lasers.rear, rear_laser);
+}
 
 absl::Status SensorOptions::Validate() const {
   for (const double latency_s :

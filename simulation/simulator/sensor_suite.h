@@ -36,6 +36,9 @@ struct SensorOptions {
   // colours; else it is that of a cloudy day everywhere. Depth is the same.
   bool camera_is_lit = true;
 
+  // These lasers, with the noise of those that are set.
+  void UseLasers(const core::RobotLasers& lasers);
+
   // A Hokuyo UST-10LX (data sheet C-42-4057: 10 m, 40 mm) of which every second
   // beam is read.
   static sensors::LaserScannerOptions ShortRangeLaser();

@@ -503,7 +503,8 @@ void BuildingShell::AddPillar(const building::PlanPillar& pillar) {
   if (pillar.is_round) {
     const WorldBuilder::ProfilePoint profile[] = {
         {half, 0}, {half, height}, {0.001f, height}};
-    builder_.AddTurned(frame, {0, 0, 0}, profile, 20,
+    // Of thin ones there may be many, and 12 sides are round enough.
+    builder_.AddTurned(frame, {0, 0, 0}, profile, half < 0.1f ? 12 : 20,
                        {.texture = material.texture,
                         .u1 = 6.28f * half / material.u_m,
                         .v1 = height / material.v_m});

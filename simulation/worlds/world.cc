@@ -6,6 +6,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "simulation/building/cylinder_field.h"
 #include "simulation/building/plan_file.h"
 #include "simulation/building/shipped_worlds.h"
 #include "simulation/worlds/building_maker.h"
@@ -35,6 +36,12 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
     TL_ASSIGN_OR_RETURN(const building::BuildingPlan plan, GeneratedPlan(seed));
     return MakeBuilding(std::string(name), plan, options);
   }
+  rest = name;
+  if (absl::ConsumePrefix(&rest, "field:") && absl::SimpleAtoi(rest, &seed)) {
+    return MakeBuilding(std::string(name),
+                        building::FieldPlan(building::DrawField(seed)),
+                        options);
+  }
   for (const building::ShippedWorld& shipped : building::ShippedWorlds()) {
     if (shipped.name != name) continue;
     TL_ASSIGN_OR_RETURN(
@@ -53,9 +60,10 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
   for (const building::ShippedWorld& shipped : building::ShippedWorlds()) {
     absl::StrAppend(&shipped_names, shipped.name, ", ");
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "there is no world '", name, "'; there are ", shipped_names,
-      "room, room:N and seed:N with a whole N, and files (NAME.yaml)"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("there is no world '", name, "'; there are ", shipped_names,
+                   "room, room:N, seed:N and field:N with a whole N, and files "
+                   "(NAME.yaml)"));
 }
 
 }  // namespace

@@ -208,6 +208,7 @@ struct WorldOptions {
 //   cafe, lab, office-floor, two-storey
 //                 buildings that every program carries (worlds/*.yaml)
 //   seed:N        a building of the generator's, for each whole number N
+//   field:N       a field of cylinders, for each whole number N
 //   FILE          a world file of your own: ends in .yaml or contains a '/';
 //                 see docs/reference/world-files.md
 // INVALID_ARGUMENT for other names, and for files with mistakes, "FILE:LINE:

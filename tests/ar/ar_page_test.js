@@ -11,6 +11,7 @@ import { after, before, test } from 'node:test';
 
 import { FOCAL_PX, heldOut, HEIGHT_PX, launchWithCamera, open, startServer,
   trueCameraOf, trueShareOf, waitForState, WIDTH_PX } from './fixture.js';
+import { assertAccessible } from '../page/accessibility.js';
 
 // Every fourth: the walk has turned by then.
 const SEEN = heldOut.filter((_, i) => i % 4 === 1).slice(0, 4);
@@ -222,6 +223,70 @@ test('the model\'s points and keyframes are drawn over the picture',
       await browser.close();
     });
 
+test('the loupe shows which pixels agree, under the mouse and the keys',
+    async () => {
+      const browser = await launchWithCamera(SEEN[0]);
+      const { page, wrongs } = await open(browser, server.url, {},
+          // Of how this test reads the canvas.
+          /willReadFrequently/);
+      await page.click('#start');
+      await waitForState(page, 'Located');
+      await settled(page);
+      assert.equal(await page.locator('#loupe').isVisible(), false);
+      await page.check('#show-loupe');
+      const box = await page.locator('#target').boundingBox();
+      // Somewhere several points agree.
+      let best = 0;
+      for (const [x, y] of [0.2, 0.4, 0.6, 0.8].flatMap((across) =>
+        [0.25, 0.5, 0.75].map((down) => [across, down]))) {
+        await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+        await page.waitForSelector('#loupe:visible');
+        const words = await page.textContent('#loupe-words');
+        const [, agreeing, all] =
+            /^(\d+) of (\d+) pixels agree here\.$/.exec(words) ?? [0, 0, 0];
+        assert.ok(all > 0 || /^No pixel/.test(words), words);
+        assert.ok(Number(agreeing) <= Number(all), words);
+        if (Number(agreeing) <= best) continue;
+        best = Number(agreeing);
+        if (process.env.TREELINE_SCREENSHOTS) {
+          await page.screenshot({ path: path.join(
+              process.env.TREELINE_SCREENSHOTS, 'loupe.png') });
+        }
+        // Both the picture's pixels and green marks on them.
+        const { greens, colours } = await page.evaluate(() => {
+          const canvas = document.querySelector('.loupe-picture');
+          const { data } = canvas.getContext('2d')
+              .getImageData(0, 0, canvas.width, canvas.height);
+          const found = new Set();
+          let count = 0;
+          for (let i = 0; i < data.length; i += 4) {
+            const [r, g, b] = data.subarray(i, i + 3);
+            found.add(r << 16 | g << 8 | b);
+            if (r === 0x7c && g === 0xf0 && b === 0xbd) count += 1;
+          }
+          return { greens: count, colours: found.size };
+        });
+        assert.ok(colours > 100, `${colours} colours`);
+        assert.ok(greens > 20, `${greens} green pixels`);
+        // Not over what it shows.
+        const loupe = await page.locator('#loupe').boundingBox();
+        const at = box.x + x * box.width;
+        assert.ok(at < loupe.x || at > loupe.x + loupe.width);
+      }
+      assert.ok(best >= 2, `at most ${best} pixels agree`);
+      await page.focus('#target');
+      const told = new Set();
+      for (let i = 0; i < 40; ++i) {
+        await page.keyboard.press(i < 20 ? 'ArrowUp' : 'ArrowLeft');
+        told.add(await page.textContent('#loupe-words'));
+      }
+      assert.ok(told.size > 1, [...told].join());
+      await page.uncheck('#show-loupe');
+      assert.equal(await page.locator('#loupe').isVisible(), false);
+      assert.deepEqual(wrongs, []);
+      await browser.close();
+    });
+
 test('a camera that was stopped is off, and starts again', async () => {
   const browser = await launchWithCamera(SEEN[0]);
   const { page, wrongs } = await open(browser, server.url);
@@ -274,8 +339,32 @@ test('everything is reached and done with the keyboard alone', async () => {
     await page.keyboard.press('Enter');
   }
   for (const id of ['scene', 'start', 'token', 'use-token', 'pin', 'show-grid',
-    'show-box', 'show-points', 'show-still', 'view', 'corrects', 'up']) {
+    'show-box', 'show-points', 'show-loupe', 'show-still', 'view', 'corrects',
+    'up']) {
     await tabTo(id);
+  }
+  await browser.close();
+});
+
+test('axe-core finds no fault, in either tone, dialogs included', async () => {
+  const browser = await launchWithCamera(SEEN[0]);
+  for (const colorScheme of ['light', 'dark']) {
+    const { page, close } =
+        await open(browser, server.url, { colorScheme });
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    for (const folded of ['access', 'assumed']) {
+      await page.click(`#${folded} summary`);
+    }
+    await page.click('#start');
+    await waitForState(page, 'Located');
+    await page.check('#show-loupe');
+    await page.click('#pin');
+    await page.fill('#note-input', 'Here');
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    await page.click('#note-save');
+    await page.waitForSelector('#notes li');
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    await close();
   }
   await browser.close();
 });

@@ -9,6 +9,7 @@ import { after, before, test } from 'node:test';
 
 import { heldOut, launchWithCamera, localizePicture, open, RECORDING,
   startServer, waitForState } from './fixture.js';
+import { assertAccessible } from '../page/accessibility.js';
 
 let server;
 let browser;
@@ -173,6 +174,7 @@ test('phones and tablets of either bearing have all of it, in either tone',
           assert.ok(view.width >= 300 && view.height >= 200,
               JSON.stringify(view));
           assert.ok(await coloursOf(page) > 50);
+          await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
           if (folder) {
             await page.screenshot({ path: path.join(folder,
                 `scene-${viewport.width}-${colorScheme}.png`) });

@@ -195,5 +195,67 @@ class BenchProgram(unittest.TestCase):
         self.assertIn("/healthz", other.stderr)
 
 
+class WithTls(unittest.TestCase):
+    """The same against a server that speaks TLS alone."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        put_scene(cls.folder / "models", SCENE / "room.treeline")
+        cls.certificate, key = cls.folder / "tls.crt", cls.folder / "tls.key"
+        subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes",
+             "-keyout", key, "-out", cls.certificate, "-days", "2", "-subj",
+             "/CN=treeline", "-addext",
+             "subjectAltName=DNS:localhost,IP:127.0.0.1"],
+            check=True, capture_output=True)
+        cls.server = RealServer(
+            PROGRAMS / "treeline-server", cls.folder / "models",
+            "--tls-cert", cls.certificate, "--tls-key", key)
+        cls.addClassCleanup(cls.server.stop)
+
+    def bench(self, target, *trust):
+        address = self.server.address if target == "grpc" else self.server.http
+        return run("bench", "--server", address, "--target", target, "--scene",
+                   f"room={SCENE / 'recording'}", "--json", *trust, *short(
+                       "--metrics", f"https://{self.server.http}"))
+
+    def test_load_and_metrics_go_over_tls(self):
+        for target in ("grpc", "connect", "connect-json", "geopose"):
+            with self.subTest(target):
+                done = self.bench(target, "--tls-ca", self.certificate)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                result = json.loads(done.stdout)
+                run_, = result["runs"]
+                self.assertGreater(run_["counts"]["ok"], 3)
+                self.assertEqual(run_["counts"]["ok"], run_["calls"])
+                self.assertGreater(len(result["server_metrics"]["points"]), 0)
+
+    def test_who_is_not_trusted_gets_nothing(self):
+        other = self.folder / "other.crt"
+        subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes",
+             "-keyout", self.folder / "other.key", "-out", other, "-days", "2",
+             "-subj", "/CN=other"], check=True, capture_output=True)
+        for target in ("grpc", "connect"):
+            done = self.bench(target, "--tls-ca", other)
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertEqual(done.stdout, "")
+            self.assertIn("certificate", done.stderr.lower())
+
+    def test_watch_goes_over_tls(self):
+        url = f"https://{self.server.http}"
+        done = run("watch", url, "--tls-ca", self.certificate, "--every-s",
+                   "0.1", "--count", "2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(len(done.stdout.splitlines()), 2)
+        for url_ in (url, f"http://{self.server.http}"):
+            refused = run("watch", url_, "--count", "1")
+            self.assertEqual(refused.returncode, 1, refused.stdout)
+            self.assertIn(self.server.http, refused.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

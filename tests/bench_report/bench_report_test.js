@@ -33,7 +33,7 @@ test('a dot says which run it is', async (t) => {
   const { page } = await open(t, ramp());
   await drawn(page);
   const section = page.locator('section', { hasText: 'Latency by throughput' });
-  const dot = section.locator('g[aria-label=dot] circle').last();
+  const dot = section.locator('g[data-mark=dot] circle').last();
   await dot.hover({ force: true });
   await section.getByText('fails: p99 is 190.00 ms').waitFor();
 });

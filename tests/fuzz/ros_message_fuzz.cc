@@ -1,6 +1,7 @@
 // Messages of ROS 2 from anybody in the network: decoding never reads beyond
 // the bytes, what was decoded can be encoded and comes back, and conversions
 // take whatever was decoded. The first byte says which message it is.
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <span>
@@ -12,12 +13,15 @@
 #include "common/ros2/messages/nav_messages.h"
 #include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/bridge/agent_values/laser_values.h"
+#include "nav_agent/bridge/robot_ports/laser_port.h"
+#include "nav_agent/bridge/robot_ports/odometry_port.h"
 
 namespace {
 
 namespace messages = treeline::messages;
 namespace agent_values = treeline::agent_values;
 namespace conversions = treeline::conversions;
+namespace robot_ports = treeline::robot_ports;
 
 template <typename M, typename Use>
 void Try(std::span<const uint8_t> bytes, const Use& use) {
@@ -30,6 +34,46 @@ void Try(std::span<const uint8_t> bytes, const Use& use) {
   use(*message);
 }
 
+// What a port hands over has the beams that it says, whatever came before.
+void TryLaser(const messages::LaserScan& scan) {
+  const treeline::base::SteadyClock clock;
+  const robot_ports::RosTime time(false, clock, [] { return int64_t{0}; });
+  messages::LaserScan usual;
+  usual.angle_min = -1;
+  usual.angle_increment = 0.1F;
+  usual.range_max = 10;
+  usual.ranges.assign(21, 1);
+  for (const bool is_first : {true, false}) {
+    robot_ports::LaserPort port("scan", time, clock);
+    if (is_first) port.SetUpsideDown();
+    (void)port.Add(is_first ? scan : usual);
+    (void)port.Add(is_first ? usual : scan);
+    for (const auto& taken : port.TakeScans()) {
+      if (taken.ranges_m.size() != static_cast<size_t>(port.Info().beams) ||
+          (!taken.intensities.empty() &&
+           taken.intensities.size() != taken.ranges_m.size())) {
+        std::abort();
+      }
+    }
+  }
+}
+
+// Wheels stay finite, wherever the robot is said to be.
+void TryOdometry(const messages::Odometry& odometry) {
+  const treeline::base::SteadyClock clock;
+  const robot_ports::RosTime time(false, clock, [] { return int64_t{0}; });
+  robot_ports::OdometryPort port("odom", 0.5, time, clock);
+  (void)port.Add(messages::Odometry(), {});
+  (void)port.Add(odometry, {});
+  for (const auto& reading : port.TakeReadings()) {
+    if (!std::isfinite(reading.left_wheel_m + reading.right_wheel_m +
+                       reading.forward_mps + reading.yaw_rate_radps +
+                       reading.pitch_rad + reading.roll_rad)) {
+      std::abort();
+    }
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -40,6 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       Try<messages::LaserScan>(bytes, [](const messages::LaserScan& scan) {
         (void)agent_values::SensorInfoOf(scan);
         (void)agent_values::ScanOf(scan);
+        TryLaser(scan);
       });
       break;
     case 1:
@@ -64,6 +109,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     case 4:
       Try<messages::Odometry>(bytes, [](const messages::Odometry& odometry) {
         (void)conversions::RigidOf(odometry.pose.pose);
+        TryOdometry(odometry);
       });
       break;
     case 5:

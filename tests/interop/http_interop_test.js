@@ -12,6 +12,8 @@ import {
   Privacy, SENSORTYPE, Sensor, sendRequest,
 } from '@oarc/gpp-access';
 
+import { askGeoPose, assertValidAnswer } from './geo_pose_schema.js';
+
 const PAGE = 'https://app.example.com';
 const LOCALIZE = '/treeline.v1.RelocalizationService/Localize';
 // First bytes of a JPEG: the service behind looks no further.
@@ -60,8 +62,7 @@ function geoPoseRequest(focalLength, rotation = 0) {
 }
 
 test('@oarc/gpp-access gets a GeoPose', async () => {
-  const answer = await sendRequest(`${url}/geopose`,
-    JSON.stringify(geoPoseRequest(585)));
+  const answer = await askGeoPose(`${url}/geopose`, geoPoseRequest(585));
   assert.equal(answer.id, 'request-1');
   assert.equal(answer.type, 'geopose');
   assert.equal(answer.timestamp, 1764000000123);
@@ -80,9 +81,19 @@ test('@oarc/gpp-access gets a GeoPose', async () => {
   assert.ok(answer.accuracy.orientation > 0);
 });
 
+test('an answer with less, more or other than a GeoPose is none', async () => {
+  const answer = await askGeoPose(`${url}/geopose`, geoPoseRequest(585));
+  const { position } = answer.geopose;
+  for (const wrong of [{ ...answer, more: 1 }, { ...answer, id: 1 },
+    { ...answer, geopose: { position } },
+    { ...answer, geopose: { ...answer.geopose,
+      position: { ...position, lat: 91 } } }]) {
+    assert.throws(() => assertValidAnswer(wrong));
+  }
+});
+
 test('@oarc/gpp-access sends a picture that lies on its side', async () => {
-  const answer = await sendRequest(`${url}/geopose`,
-    JSON.stringify(geoPoseRequest(585, 90)));
+  const answer = await askGeoPose(`${url}/geopose`, geoPoseRequest(585, 90));
   assert.ok(Math.abs(answer.geopose.position.h - 524) < 1e-3);
 });
 

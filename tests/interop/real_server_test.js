@@ -5,76 +5,31 @@
 // with INTEROP_SERVER, INTEROP_TRAINER and INTEROP_SCENE (a folder
 // with recording/ and room.treeline, of tests/integration/make_scene.cmake).
 import assert from 'node:assert/strict';
-import { execFileSync, spawn } from 'node:child_process';
-import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync }
-  from 'node:fs';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { createInterface } from 'node:readline';
 import { after, before, test } from 'node:test';
 
 import {
   CAMERAMODEL, CameraParam, GeoPoseRequest, IMAGEFORMAT, ImageOrientation,
-  Privacy, SENSORTYPE, Sensor, sendRequest,
+  Privacy, SENSORTYPE, Sensor,
 } from '@oarc/gpp-access';
 
-const { INTEROP_TRAINER, INTEROP_SERVER, INTEROP_SCENE } =
-  process.env;
-const RECORDING = join(INTEROP_SCENE, 'recording');
+import { askGeoPose } from './geo_pose_schema.js';
+import { ANCHOR, frameFile, serveScenes, truePose as pose } from
+  './served_scenes.js';
+
 const LOCALIZE = '/treeline.v1.RelocalizationService/Localize';
-const ANCHOR = {
-  latitude_deg: 48.137,
-  longitude_deg: 11.575,
-  height_m: 520,
-  enu_from_world: { w: 1, x: 0, y: 0, z: 0 },
-};
 // A degree at 48 degrees north (m).
 const NORTH_M = 111200;
 const EAST_M = 74430;
 
-let folder;
 let server;
 let url;
-let stem;
-let pose;
-
-function frameFile(kind) {
-  return readFileSync(join(RECORDING, `${stem}.${kind}`)).toString('base64');
-}
-
 before(async () => {
-  folder = mkdtempSync(join(tmpdir(), 'treeline-interop-'));
-  // `room` answers with depth, `hall` is the same place without, and on Earth.
-  mkdirSync(join(folder, 'room', '1'), { recursive: true });
-  mkdirSync(join(folder, 'hall', '1'), { recursive: true });
-  cpSync(join(INTEROP_SCENE, 'room.treeline'),
-    join(folder, 'room', '1', 'model.treeline'));
-  execFileSync(INTEROP_TRAINER, ['train', '--dataset', `7scenes:${RECORDING}`,
-    '--frames', join(RECORDING, 'train.txt'), '--method', 'rgb', '--trees', '2',
-    '--quiet', '--output', join(folder, 'hall', '1', 'model.treeline')]);
-  writeFileSync(join(folder, 'hall', 'scene.json'),
-    JSON.stringify({ display_name: 'Hall', geo_anchor: ANCHOR }));
-  stem = readFileSync(join(RECORDING, 'test.txt'), 'utf8').split('\n')[0].trim();
-  pose = readFileSync(join(RECORDING, `${stem}.pose.txt`), 'utf8')
-    .trim().split(/\s+/).map(Number);
-  server = spawn(INTEROP_SERVER, ['--models', folder,
-    '--listen', '127.0.0.1:0', '--admin-listen', '',
-    '--http-listen', '127.0.0.1:0', '--drain-s', '0'],
-  { stdio: ['ignore', 'pipe', 'inherit'] });
-  for await (const line of createInterface({ input: server.stdout })) {
-    const match = /^http on (.*)$/.exec(line);
-    if (match) {
-      url = `http://${match[1]}`;
-      return;
-    }
-  }
-  throw new Error('the server ended');
+  server = await serveScenes();
+  ({ url } = server);
 });
+after(() => server?.stop());
 
-after(() => {
-  server?.kill('SIGTERM');
-  rmSync(folder, { recursive: true });
-});
+const base64Of = (kind) => frameFile(kind).toString('base64');
 
 test('fetch is told where a frame with depth was taken', async () => {
   const response = await fetch(url + LOCALIZE, {
@@ -83,9 +38,9 @@ test('fetch is told where a frame with depth was taken', async () => {
     body: JSON.stringify({
       scene: 'room',
       frame: {
-        color: { encoded: frameFile('color.jpg') },
+        color: { encoded: base64Of('color.jpg') },
         depth: {
-          png: frameFile('depth.png'),
+          png: base64Of('depth.png'),
           unitM: 0.001,
           registration: 'DEPTH_REGISTRATION_SCENE_CALIBRATION',
         },
@@ -122,11 +77,11 @@ test('@oarc/gpp-access is told the GeoPose of a real frame', async () => {
   const request = new GeoPoseRequest('request-1')
     .addSensor(new Sensor('camera', SENSORTYPE.camera))
     .addSensor(new Sensor('gps', SENSORTYPE.geolocation))
-    .addCameraData(IMAGEFORMAT.JPG, [width, height], frameFile('color.jpg'), 0,
+    .addCameraData(IMAGEFORMAT.JPG, [width, height], base64Of('color.jpg'), 0,
       new ImageOrientation(false, 0), params, time, 'camera', new Privacy())
     .addGeoLocationData(ANCHOR.latitude_deg, ANCHOR.longitude_deg, 520, 20, 20,
       0, 0, time, 'gps', new Privacy());
-  const answer = await sendRequest(`${url}/geopose`, JSON.stringify(request));
+  const answer = await askGeoPose(`${url}/geopose`, request);
   const { position } = answer.geopose;
   // The world is East-North-Up at the anchor. The pose file is the depth
   // camera's, 2.5 cm beside the colour camera.

@@ -6,6 +6,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { after, before, beforeEach, afterEach, test } from 'node:test';
 
+import { assertAccessible } from './accessibility.js';
 import { dragOnMap, launch, openPage, windowOf } from './browser.js';
 import { MockAgent } from './mock_agent.js';
 
@@ -287,6 +288,15 @@ test('the keyboard alone sends a goal', async () => {
   await page.keyboard.press('Escape');
   assert.equal(await page.getAttribute('#tool-look', 'aria-pressed'), 'true');
   await close();
+});
+
+test('axe-core finds no fault, in either tone', async () => {
+  for (const colorScheme of ['light', 'dark']) {
+    const { page, close } = await openPage(browser, url, { colorScheme });
+    await text(page, '#mode', 'Ready');
+    await assertAccessible(page, process.env.TREELINE_PAGE_WORK);
+    await close();
+  }
 });
 
 test('keys do what the help says', async () => {

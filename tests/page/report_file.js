@@ -7,6 +7,7 @@ import path from 'node:path';
 import { after, before } from 'node:test';
 import { pathToFileURL } from 'node:url';
 
+import { assertAccessible } from './accessibility.js';
 import { launch } from './browser.js';
 
 const TEMPLATE = fs.readFileSync(process.env.TREELINE_REPORT_TEMPLATE, 'utf8');
@@ -89,4 +90,5 @@ export async function assertWhole(page) {
     return found;
   });
   assert.deepEqual(odd, []);
+  await assertAccessible(page, process.env.TREELINE_REPORT_WORK);
 }

@@ -124,7 +124,7 @@ test('the turntable turns', async (t) => {
 test('a dot says which frame it is', async (t) => {
   const { page } = await open(t, single());
   const section = page.locator('section', { hasText: 'Frame by frame' });
-  const dot = section.locator('g[aria-label=dot] circle').nth(4);
+  const dot = section.locator('g[data-mark=dot] circle').nth(4);
   await dot.hover({ force: true });
   await section.getByText('seq-01/frame-4: 1.0 cm').waitFor();
 });

@@ -23,14 +23,15 @@ def put_scene(models, model):
 class RealServer:
     """On ports of its own, until stop()."""
 
-    def __init__(self, program, models):
+    def __init__(self, program, models, *more):
         self._process = subprocess.Popen(
             [program, "--models", models, "--listen", "127.0.0.1:0",
              "--admin-listen", "", "--http-listen", "127.0.0.1:0",
-             "--drain-s", "0"],
+             "--drain-s", "0", *more],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self.address = self._line(r"listening on (.*)$")
-        self.http = self._line(r"http on (.*)$")
+        # With TLS, words follow the addresses.
+        self.address = self._line(r"listening on (\S+)")
+        self.http = self._line(r"http on (\S+)")
 
     def _line(self, pattern):
         for line in self._process.stdout:

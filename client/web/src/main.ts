@@ -2,16 +2,20 @@
 
 import './style.css';
 
-import { TreelineClient, TreelineError, type Scene } from '@treeline/client';
+import { TreelineClient, TreelineError, type DriftState, type Scene } from
+  '@treeline/client';
 
 import { CameraRefused, DeviceCamera } from './camera/device_camera.js';
 import { locate, locatedPictureOf, type Located } from './camera/locator.js';
+import { hasSpace, requestSpace } from './camera/space_camera.js';
+import { SpaceRun } from './camera/space_run.js';
 import { correctedFieldOfViewDeg } from './model/camera_guess.js';
 import { loadNotes, saveNotes, type Note } from './model/notes.js';
 import { pinAt, type LocatedPicture, type PixelPoint } from './model/pin.js';
 import { Settings } from './model/settings.js';
-import { sayingOfAnswer, sayingOfCamera, sayingOfError, whySceneCannotAnswer,
-  type Saying } from './model/words.js';
+import { sayingOfAnswer, sayingOfCamera, sayingOfError, sayingOfSpace,
+  sayingOfTracking, whySceneCannotAnswer, type Saying } from
+  './model/words.js';
 import { el, setShown } from './common/dom.js';
 import { NoteDialog, NotesCard } from './panels/notes_card.js';
 import { SceneCard } from './panels/scene_card.js';
@@ -43,6 +47,7 @@ class ArPage {
   private readonly sceneCard = new SceneCard({
     onScene: () => this.chooseScene(),
     onStart: () => void this.start(),
+    onStartInSpace: () => void this.startInSpace(),
     onStop: () => this.stop(READY),
     onToken: (token) => void this.useToken(token),
   }, this.settings.token);
@@ -80,9 +85,11 @@ class ArPage {
   private answers = 0;
   private notes: Note[] = [];
   private camera: DeviceCamera | null = null;
+  private space: SpaceRun | null = null;
   private running: AbortController | null = null;
   private fieldOfViewDeg = this.settings.fieldOfViewDeg('');
   private picture: LocatedPicture | null = null;
+  private spaceState: DriftState | null = null;
 
   constructor() {
     document.body.append(
@@ -100,7 +107,11 @@ class ArPage {
         this.stage.shareOf(x, y, z),
       answers: () => this.answers,
       hasMap: () => this.isMapDrawn,
-      position: () => this.picture?.worldFromCamera.translationM ?? null } });
+      position: () => this.located?.worldFromCamera.translationM ?? null } });
+  }
+
+  async offerSpace(): Promise<void> {
+    if (await hasSpace()) this.sceneCard.offerSpace();
   }
 
   async loadScenes(): Promise<void> {
@@ -184,6 +195,46 @@ class ArPage {
     }
   }
 
+  // With the device's own tracking.
+  private async startInSpace(): Promise<void> {
+    const running = new AbortController();
+    this.running = running;
+    this.sceneCard.setRunning(true);
+    this.status.say(LOOKING);
+    let session: XRSession;
+    try {
+      session = await requestSpace(document.body);
+    } catch (error) {
+      this.stop(sayingOfSpace((error as DOMException).name));
+      return;
+    }
+    const space = new SpaceRun(session, this.stage, {
+      onState: (state) => {
+        // Failures stay to be read while nothing is known.
+        if (state !== this.spaceState) this.status.say(sayingOfTracking(state));
+        this.spaceState = state;
+      },
+      onEnd: () => { if (this.space === space) this.stop(READY); },
+    });
+    this.space = space;
+    this.spaceState = null;
+    try {
+      await space.begin();
+      setShown(this.empty, false);
+      if (running.signal.aborted) {
+        space.end();
+        return;
+      }
+      await locate(this.client, space.camera, {
+        scene: this.sceneCard.scene,
+        fieldOfViewDeg: () => this.fieldOfViewDeg,
+        onLocated: (located) => this.onLocated(located),
+      }, running.signal);
+    } catch (error) {
+      if (!running.signal.aborted) this.stop(sayingOfError(error));
+    }
+  }
+
   private run(camera: DeviceCamera, signal: AbortSignal): Promise<void> {
     setShown(this.empty, false);
     this.stage.setStarted(true);
@@ -201,6 +252,9 @@ class ArPage {
     this.running = null;
     this.camera?.stop();
     this.camera = null;
+    const { space } = this;
+    this.space = null;
+    space?.end();
     this.picture = null;
     this.stage.setStarted(false);
     setShown(this.empty, true);
@@ -213,6 +267,10 @@ class ArPage {
     if (this.running === null) return;
     this.answers += 1;
     this.status.showFigures(located);
+    if (this.space !== null) {
+      this.onLocatedInSpace(this.space, located);
+      return;
+    }
     // A drawing that is not known to be right is not shown.
     this.picture = locatedPictureOf(located);
     this.stage.setPicture(this.picture, located.picture.jpeg);
@@ -227,6 +285,25 @@ class ArPage {
     }
     // A scene that was loaded for this answer now has its box.
     if (this.bounds === null) void this.loadBounds();
+  }
+
+  private onLocatedInSpace(space: SpaceRun, located: Located): void {
+    if ('error' in located) {
+      this.fail(located.error);
+      this.spaceState = null;
+      return;
+    }
+    space.add(located.answer, located.picture.captureTimeMs);
+    this.status.say(space.state === 'searching' && !located.answer.localized ?
+      sayingOfAnswer(located.answer) : sayingOfTracking(space.state));
+    if (located.answer.localized && this.bounds === null) {
+      void this.loadBounds();
+    }
+  }
+
+  // What is seen now, and where from.
+  private get located(): LocatedPicture | null {
+    return this.space === null ? this.picture : this.space.picture;
   }
 
   private async loadBounds(): Promise<void> {
@@ -269,11 +346,12 @@ class ArPage {
 
   // The point is taken now: the picture may be another when its text is there.
   private pin(at: PixelPoint | null): void {
-    if (at === null || this.picture === null) {
+    const picture = this.located;
+    if (at === null || picture === null) {
       this.notesCard.say('Notes can be pinned once the camera is located.');
       return;
     }
-    const pin = pinAt(this.picture, at, this.bounds,
+    const pin = pinAt(picture, at, this.bounds,
         this.settings.up(this.sceneCard.scene));
     if (pin === null) {
       this.notesCard.say('Nothing is known of what is there. Point at things ' +
@@ -318,6 +396,7 @@ function begin(): void {
     return;
   }
   void page.loadScenes();
+  void page.offerSpace();
 }
 
 begin();

@@ -22,13 +22,24 @@ class Drawing {
     const width = Math.floor(this.element.clientWidth) || otherwise;
     if (width === 0 || Math.abs(width - this.drawnWidth) < 2) return;
     this.drawnWidth = width;
-    this.element.replaceChildren(this.draw(width));
+    this.show();
+  }
+
+  private show(): void {
+    const chart = this.draw(this.drawnWidth);
+    // Observable Plot names its marks as if they had roles: what they show is
+    // said by the chart's own label and by the tables.
+    for (const mark of chart.querySelectorAll<SVGGElement>('g[aria-label]')) {
+      mark.dataset['mark'] = mark.getAttribute('aria-label')!;
+      mark.removeAttribute('aria-label');
+    }
+    this.element.replaceChildren(chart);
   }
 
   // Whatever it shows has changed.
   redraw(): void {
     if (this.drawnWidth === 0) return;
-    this.element.replaceChildren(this.draw(this.drawnWidth));
+    this.show();
   }
 }
 

@@ -41,7 +41,9 @@ export const number = (content: Child, more = ''): Cell =>
 
 function cellOf(cell: Cell | string, isHead: boolean): HTMLElement {
   const full: Cell = typeof cell === 'string' ? { content: cell } : cell;
-  const element = el(isHead || full.isHead ? 'th' : 'td', {}, full.content);
+  // What has no words heads nothing.
+  const heads = (isHead || full.isHead) && full.content !== '';
+  const element = el(heads ? 'th' : 'td', {}, full.content);
   if (full.class) element.className = full.class;
   if (full.span) element.colSpan = full.span;
   return element;
@@ -57,10 +59,16 @@ export interface Row {
 export function table(heads: (Cell | string)[], rows: Row[]): HTMLElement {
   const body = rows.map((row) => el('tr', row.class ?? {},
       ...row.cells.map((cell) => cellOf(cell, false))));
-  return el('div', 'scroll', el('table', {},
+  const scroll = el('div', 'scroll', el('table', {},
       heads.length === 0 ? null :
         el('thead', {}, el('tr', {}, ...heads.map((h) => cellOf(h, true)))),
       el('tbody', {}, ...body)));
+  // The keyboard scrolls only what it reaches.
+  new ResizeObserver(() => {
+    if (scroll.scrollWidth > scroll.clientWidth) scroll.tabIndex = 0;
+    else scroll.removeAttribute('tabindex');
+  }).observe(scroll);
+  return scroll;
 }
 
 // Names and values.

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
-#include <map>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
@@ -21,22 +20,6 @@ constexpr auto kStep = std::chrono::milliseconds(20);
 // As ROS 2's diagnostics come.
 constexpr auto kReportInterval = std::chrono::seconds(1);
 
-// Says what is broken once a topic and cause.
-class BrokenTopics {
- public:
-  explicit BrokenTopics(logging::ProgramLog& log) : log_(log) {}
-  void Say(const std::string& topic, const absl::Status& why) {
-    const std::string text(why.message());
-    if (last_of_topic_[topic] == text) return;
-    last_of_topic_[topic] = text;
-    log_.Say(logging::LogLevel::kWarn, absl::StrCat(topic, ": ", text));
-  }
-
- private:
-  logging::ProgramLog& log_;
-  std::map<std::string, std::string> last_of_topic_;
-};
-
 double ProcessorTime_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
@@ -46,21 +29,18 @@ void SayIfNot(const absl::Status& status, logging::ProgramLog& log) {
   log.Say(logging::LogLevel::kError, std::string(status.message()));
 }
 
-void Loop(const BridgeConfig& config, dds::Node& node, BridgeTopics& topics,
-          place_finder::PlaceFinder& finder, logging::ProgramLog& log,
-          const std::stop_token& stop) {
-  RosClock clock(config.use_sim_time);
-  BrokenTopics broken(log);
+void Loop(const BridgeConfig& config, BridgeTopics& topics,
+          const RosClock& clock, place_finder::PlaceFinder& finder,
+          logging::ProgramLog& log, const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
   auto next_report = begin;
   auto last_need = place_finder::Need::kNone;
   while (!stop.stop_requested()) {
-    node.Wait(kStep);
-    topics.Deliver(
-        finder, clock,
-        [&broken](const std::string& topic, const absl::Status& why) {
-          broken.Say(topic, why);
-        });
+    for (const topic_inputs::TopicInputs::Fault& fault :
+         topics.inputs().Deliver(kStep)) {
+      log.Say(logging::LogLevel::kWarn,
+              absl::StrCat(fault.topic, ": ", fault.why.message()));
+    }
     const place_finder::PlaceFinder::Output output = finder.Step(clock.Now());
     for (const std::string& event : output.events) {
       log.Say(logging::LogLevel::kInfo, event);
@@ -100,17 +80,18 @@ absl::Status RunBridge(
                       dds::Domain::Join(domain_options));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Node> node,
                       dds::Node::Create(*domain, name));
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<BridgeTopics> topics,
-                      BridgeTopics::Open(*node, config));
   place_finder::PlaceFinder finder(server, options);
+  RosClock clock(config.use_sim_time);
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<BridgeTopics> topics,
+                      BridgeTopics::Open(*node, config, finder, clock));
   announce(absl::StrCat("bridge in domain ", domain->id()));
-  Loop(config, *node, *topics, finder, log, stop);
+  Loop(config, *topics, clock, finder, log, stop);
   log.Write(logging::LogLevel::kInfo,
             log.Event()
                 .Word("event", "stopped")
-                .Integer("messages", topics->delivered())
-                .Number("delivery_p50_ms", topics->Delivery_ms(0.5))
-                .Number("delivery_p99_ms", topics->Delivery_ms(0.99))
+                .Integer("messages", topics->inputs().delivered())
+                .Number("delivery_p50_ms", topics->inputs().Delivery_ms(0.5))
+                .Number("delivery_p99_ms", topics->inputs().Delivery_ms(0.99))
                 .Number("processor_s", ProcessorTime_s())
                 .Integer("questions", finder.state().questions)
                 .Integer("places", finder.state().places));

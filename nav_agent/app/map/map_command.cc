@@ -48,6 +48,7 @@ Examples:
   treeline-agent map --log intel.json --output intel --resolution 0.1
   treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
       --camera openni --output house
+  treeline-agent map --live --ros2 robot.yaml --output house
   treeline-agent map --rgbd tum:rgbd_dataset_freiburg1_room --output room)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
@@ -310,6 +311,11 @@ cli::Command AddMapCommand(CLI::App& app) {
       ->type_name("ADDRESS");
   command->add_option("--base", flags->live.base, "--live: a Segway RMP100")
       ->type_name("ADDRESS");
+  command
+      ->add_option("--ros2", flags->live.ros2,
+                   "--live: a robot that speaks ROS 2: its topics, frames and "
+                   "measures (docs/reference/ros2-robot.md)")
+      ->type_name("FILE");
   command
       ->add_option("--camera", flags->live.camera,
                    "--live: none, openni, or, with --simulate, simulated")

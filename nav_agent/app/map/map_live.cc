@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/hardware/robot_hardware.h"
+#include "nav_agent/app/ros/ros_robot.h"
 #include "simulation/simulator/paced_runner.h"
 #include "simulation/simulator/scenario.h"
 #include "simulation/simulator/scenario_player.h"
@@ -67,6 +69,45 @@ class RealDrive final : public Drive {
   core::RobotModel robot_;
   std::optional<base::MonotonicTime> end_;
   std::unique_ptr<hardware::RobotHardware> hardware_;
+};
+
+// Somebody else drives; we listen.
+class RosDrive final : public Drive {
+ public:
+  static absl::StatusOr<std::unique_ptr<Drive>> Open(
+      const LiveMappingOptions& options, const std::stop_token& stop) {
+    TL_ASSIGN_OR_RETURN(const ros_app::RosRobotConfig config,
+                        ros_app::ReadRosRobotConfig(options.ros2));
+    auto drive = std::make_unique<RosDrive>();
+    TL_ASSIGN_OR_RETURN(
+        drive->robot_,
+        ros_app::RosRobot::Open(config, /*drives=*/false, drive->clock_,
+                                [](const std::string& line) {
+                                  std::fprintf(stderr, "%s\n", line.c_str());
+                                }));
+    TL_RETURN_IF_ERROR(drive->robot_->WaitUntilKnown(stop));
+    drive->end_ = options.seconds > 0
+                      ? drive->robot_->time().Now() +
+                            simulator::FromSeconds(options.seconds)
+                      : base::MonotonicTime::max();
+    return drive;
+  }
+
+  LiveSensors Sensors() override {
+    return {.laser = robot_->laser(),
+            .odometry = robot_->odometry(),
+            .camera = robot_->camera(),
+            .robot = robot_->model()};
+  }
+  bool Wait() override {
+    std::this_thread::sleep_for(kPoll);
+    return robot_->time().Now() < end_;
+  }
+
+ private:
+  base::SteadyClock clock_;
+  std::unique_ptr<ros_app::RosRobot> robot_;
+  base::MonotonicTime end_;
 };
 
 class SimulatedDrive final : public Drive {
@@ -135,17 +176,26 @@ class SimulatedDrive final : public Drive {
   simulator::SimTime end_;
 };
 
+absl::StatusOr<std::unique_ptr<Drive>> OpenDrive(
+    const LiveMappingOptions& options, const std::stop_token& stop) {
+  if (!options.ros2.empty()) return RosDrive::Open(options, stop);
+  return options.simulate.empty() ? RealDrive::Open(options)
+                                  : SimulatedDrive::Open(options);
+}
+
 }  // namespace
 
 absl::Status LiveMappingOptions::Validate() const {
-  if (simulate.empty() && (laser.empty() || base.empty())) {
+  const bool has_devices = !(laser.empty() && base.empty());
+  if (simulate.empty() && ros2.empty() && (laser.empty() || base.empty())) {
     return absl::InvalidArgumentError(
-        "who drives? Give --simulate WORLD, or the laser and the base of a "
-        "robot: --laser ADDRESS --base ADDRESS");
+        "who drives? Give --simulate WORLD, a robot that speaks ROS 2: --ros2 "
+        "FILE, or the laser and the base of a robot: --laser ADDRESS --base "
+        "ADDRESS");
   }
-  if (!simulate.empty() && !(laser.empty() && base.empty())) {
+  if (int{!simulate.empty()} + int{!ros2.empty()} + int{has_devices} != 1) {
     return absl::InvalidArgumentError(
-        "give either --simulate or --laser and --base");
+        "give one of --simulate, --ros2, and --laser with --base");
   }
   if (camera != "none" && camera != "openni" &&
       !(camera == "simulated" && !simulate.empty())) {
@@ -163,8 +213,7 @@ absl::Status RecordLiveDrive(const LiveMappingOptions& options,
                              const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<Drive> drive,
-                      options.simulate.empty() ? RealDrive::Open(options)
-                                               : SimulatedDrive::Open(options));
+                      OpenDrive(options, stop));
   const base::SteadyClock clock;
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<LiveMapper> mapper,
                       LiveMapper::Create(drive->Sensors(), options.map, clock));

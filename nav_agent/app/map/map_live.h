@@ -24,6 +24,9 @@ struct LiveMappingOptions {
   std::string laser;
   std::string base;
   std::string camera = "none";
+  // Or a robot that speaks ROS 2 (ReadRosRobotConfig); its camera is that of
+  // this file.
+  std::string ros2;
   core::RobotModel robot;
   // Ends the drive; 0: at the end of the tour, or when a stop is requested.
   double seconds = 0;

@@ -24,6 +24,11 @@ void AddRobot(Table& table) {
              .value_name = "FILE",
              .help = "Real robot: YAML file with laser, base, camera and "
                      "measures (docs/reference/agent.md)"});
+  table.Add(&AgentConfig::ros2,
+            {.name = "ros2",
+             .value_name = "FILE",
+             .help = "Robot that speaks ROS 2: YAML file with topics, frames "
+                     "and measures (docs/reference/ros2-robot.md)"});
   table.Add(&AgentConfig::speed,
             {.name = "speed",
              .value_name = "FACTOR",
@@ -51,6 +56,11 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::rear_laser,
             {.name = "rear_laser",
              .help = "The simulated robot has a second laser that looks back"});
+  table.Add(&AgentConfig::robot,
+            {.name = "robot",
+             .value_name = "NAME",
+             .help = "The simulated robot: rmp100, jackal, or a file "
+                     "(docs/reference/robots.md)"});
   table.Add(&AgentConfig::record,
             {.name = "record",
              .value_name = "FILE",
@@ -127,6 +137,11 @@ void AddListening(Table& table) {
 }
 
 void AddDriving(Table& table) {
+  table.Add(&AgentConfig::by_sight,
+            {.name = "by_sight",
+             .help = "Drive by what the lasers see and the wheels count, "
+                     "without localization; what a map shows on its lowest "
+                     "level is known beforehand, without map nothing is"});
   table.Add(&AgentConfig::planner,
             {.name = "planner",
              .help = "Global planner (docs/explanation/planning.md)"});
@@ -236,21 +251,26 @@ absl::StatusOr<worlds::WorldOptions> AgentConfig::SimulatedWorld() const {
 }
 
 absl::Status AgentConfig::Validate() const {
-  if (simulate.empty() == hardware.empty()) {
+  if (int{simulate.empty()} + int{hardware.empty()} + int{ros2.empty()} != 2) {
     return absl::InvalidArgumentError(
-        "give either --simulate WORLD or --hardware FILE");
+        "give one of --simulate WORLD, --hardware FILE and --ros2 FILE");
   }
-  if (map.empty() && !hardware.empty()) {
+  if (map.empty() && simulate.empty() && !by_sight) {
     return absl::InvalidArgumentError(
-        "a real robot needs --map BUNDLE (treeline-agent map makes one)");
+        "a real robot needs --map BUNDLE (treeline-agent map makes one), or "
+        "--by-sight");
   }
-  if (!hardware.empty() && speed != 1) {
+  if (simulate.empty() && speed != 1) {
     return absl::InvalidArgumentError(
         "--speed is for simulations: a real robot has its own time");
   }
   if (find_yourself && !start_at.empty()) {
     return absl::InvalidArgumentError(
         "give either --start-at or --find-yourself");
+  }
+  if (find_yourself && by_sight) {
+    return absl::InvalidArgumentError(
+        "--by-sight finds no place; leave --find-yourself out");
   }
   TL_RETURN_IF_ERROR(SimulatedWorld().status());
   TL_RETURN_IF_ERROR(ParseRequestedPose(start_at, "--start-at").status());

@@ -23,12 +23,14 @@ struct AgentConfig {
   // ---- the robot ----
   std::string simulate;
   std::string hardware;
+  std::string ros2;
   double speed = 1;
   bool people = true;
   std::string light;
   std::string rearranged;
   double camera_hz = 5;
   bool rear_laser = true;
+  std::string robot = "rmp100";
   std::string record;
   // ---- where it is ----
   std::string map;
@@ -47,6 +49,7 @@ struct AgentConfig {
   std::string page_dir;
   int max_streams = 16;
   // ---- how it drives ----
+  bool by_sight = false;
   std::string planner = "variable-rrt";
   double max_forward_mps = 0.6;
   double inflation_m = 0.5;

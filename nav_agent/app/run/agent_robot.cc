@@ -227,7 +227,9 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
   scenario.world_options.paint = options.camera_hz > 0;
   scenario.options.seed = options.seed;
   scenario.options.sensors.camera_hz = options.camera_hz;
-  scenario.options.sensors.has_rear_laser = options.has_rear_laser;
+  scenario.options.robot = options.robot.model;
+  scenario.options.sensors.UseLasers(options.robot.lasers);
+  if (!options.has_rear_laser) scenario.options.sensors.has_rear_laser = false;
   TL_ASSIGN_OR_RETURN(
       worlds::World world,
       worlds::MakeWorld(scenario.world, scenario.world_options));

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "nav_agent/behavior/navigator.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/simulation_control.h"
 #include "simulation/worlds/world.h"
@@ -55,7 +56,8 @@ struct SimulatedRobotOptions {
   uint64_t seed = 0;
   // Frames in a second; 0: no camera, [0, 60].
   double camera_hz = 5;
-  // Whether a laser looks back.
+  core::RobotDescription robot;
+  // Whether the robot's laser that looks back, if it has one, is there.
   bool has_rear_laser = true;
   // The map was made by a drive that began where this robot starts: its frame
   // is the base's there. Else it is the world's.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -15,10 +17,13 @@
 #include "common/http/http_server.h"
 #include "common/http/static_files.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
+#include "nav_agent/app/ros/agent_topics.h"
 #include "nav_agent/app/run/agent_loop.h"
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
+#include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
 #include "nav_agent/service/agent_info.h"
 #include "nav_agent/service/http_api.h"
@@ -27,6 +32,9 @@ namespace treeline::run_app {
 namespace {
 
 constexpr double kControlHz = 40;
+// What is shown where there is no map: free ground, so far in each direction.
+constexpr double kBlank_m = 30;
+constexpr double kBlankCell_m = 0.1;
 // Pictures for people.
 constexpr auto kPictureInterval = std::chrono::milliseconds(200);
 // A pose that somebody gives is about right.
@@ -38,9 +46,42 @@ constexpr int kHttpConnectionsForProbes = 4;
 constexpr auto kLaserLookUp = std::chrono::milliseconds(50);
 constexpr auto kLaserReport = std::chrono::seconds(5);
 
+double ProcessorTime_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
 bool HasSpoken(const core::RangeSensor& laser) {
   return laser.Info().beams > 0 ||
          laser.Health().state == core::DeviceState::kRunning;
+}
+
+// One level of free ground about the origin.
+behavior::NavigatorMap BlankMap() {
+  const int side = static_cast<int>(2 * kBlank_m / kBlankCell_m);
+  traversability::TraversableLevel level;
+  level.grid = core::OccupancyGrid::Filled(side, side, kBlankCell_m,
+                                           {{-kBlank_m, -kBlank_m}, 0},
+                                           core::Occupancy::kFree);
+  level.height_m.assign(level.grid.cells.size(), 0);
+  level.slope_rad.assign(level.grid.cells.size(), 0);
+  level.clearance_m.assign(level.grid.cells.size(), 3);
+  behavior::NavigatorMap map;
+  map.levels.levels.push_back(std::move(level));
+  return map;
+}
+
+void SayTopics(const ros_app::RosRobot& robot, logging::ProgramLog& log) {
+  const agent_report::TopicFacts facts = robot.Facts();
+  log.Write(logging::LogLevel::kInfo,
+            log.Event()
+                .Word("event", "topics")
+                .Integer("messages", facts.delivered)
+                .Integer("refused", facts.refused)
+                .Integer("clock_jumps", facts.clock_jumps)
+                .Number("delivery_p50_ms", robot.Delivery_ms(0.5))
+                .Number("delivery_p99_ms", robot.Delivery_ms(0.99))
+                .Number("listening_s", robot.listening_s())
+                .Number("processor_s", ProcessorTime_s()));
 }
 
 class AgentProgram {
@@ -54,14 +95,21 @@ class AgentProgram {
 
  private:
   absl::Status LoadMap();
-  absl::Status MakeRobot();
+  // OK, and without a robot, if a stop was requested meanwhile.
+  absl::Status MakeRobot(const std::stop_token& stop);
   absl::Status WatchDevices();
   absl::Status ConnectServer();
   absl::Status Listen();
   // False: a stop was requested meanwhile.
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
+  behavior::NavigatorDevices WatchedDevices();
+  absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
+  // Steps wait for a simulation of somebody else's.
+  bool FollowsSimulation() const {
+    return ros_robot_ != nullptr && ros_robot_->config().use_sim_time;
+  }
 
   const AgentConfig& config_;
   logging::ProgramLog& log_;
@@ -70,6 +118,8 @@ class AgentProgram {
   std::shared_ptr<const behavior::NavigatorMap> map_;
   agent_service::AgentInfo info_;
   std::unique_ptr<AgentRobot> robot_;
+  // Of ROS 2; null: it is another.
+  ros_app::RosRobot* ros_robot_ = nullptr;
   // ---- around the devices ----
   agent_service::PictureKeeper camera_picture_{kPictureInterval};
   agent_service::PictureKeeper query_picture_{std::chrono::milliseconds(0)};
@@ -87,11 +137,15 @@ class AgentProgram {
   std::unique_ptr<agent_service::HttpApi> api_;
   std::unique_ptr<agent_service::AgentGrpcServer> grpc_;
   std::unique_ptr<http::HttpServer> http_;
+  std::unique_ptr<ros_app::AgentTopics> topics_;
 };
 
 absl::Status AgentProgram::LoadMap() {
   auto map = std::make_shared<behavior::NavigatorMap>();
-  if (config_.map.empty()) {
+  if (config_.map.empty() && config_.by_sight) {
+    *map = BlankMap();
+    info_.map_name = "nothing";
+  } else if (config_.map.empty()) {
     TL_ASSIGN_OR_RETURN(*map, MapOfWorld(config_.simulate));
     info_.map_name = config_.simulate;
   } else {
@@ -105,16 +159,31 @@ absl::Status AgentProgram::LoadMap() {
   return absl::OkStatus();
 }
 
-absl::Status AgentProgram::MakeRobot() {
+absl::Status AgentProgram::MakeRobot(const std::stop_token& stop) {
+  if (!config_.ros2.empty()) {
+    TL_ASSIGN_OR_RETURN(std::unique_ptr<RosAgentRobot> robot,
+                        RosAgentRobot::Open(
+                            config_.ros2, real_clock_,
+                            [this](const std::string& line) {
+                              log_.Say(logging::LogLevel::kWarn, line);
+                            },
+                            announce_));
+    ros_robot_ = &robot->robot();
+    robot_ = std::move(robot);
+    return ros_robot_->WaitUntilKnown(stop);
+  }
   if (config_.hardware.empty()) {
     TL_ASSIGN_OR_RETURN(const worlds::WorldOptions world,
                         config_.SimulatedWorld());
+    TL_ASSIGN_OR_RETURN(const core::RobotDescription model,
+                        core::ReadRobot(config_.robot));
     TL_ASSIGN_OR_RETURN(
         robot_,
         MakeSimulatedRobot({.world = config_.simulate,
                             .world_options = world,
                             .seed = static_cast<uint64_t>(config_.seed),
                             .camera_hz = config_.camera_hz,
+                            .robot = model,
                             .has_rear_laser = config_.rear_laser,
                             .map_begins_at_start = !config_.map.empty()}));
     return absl::OkStatus();
@@ -243,7 +312,35 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
   return false;
 }
 
+behavior::NavigatorDevices AgentProgram::WatchedDevices() {
+  const behavior::NavigatorDevices raw = robot_->Devices();
+  return {.laser = laser_ == nullptr ? raw.laser : *laser_,
+          .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+          .base = raw.base,
+          .rear_laser = raw.rear_laser,
+          .camera = camera_.get(),
+          .server = server_.get()};
+}
+
+absl::Status AgentProgram::MakeSightNavigator() {
+  mapless::MaplessOptions options;
+  options.control_hz = kControlHz;
+  options.max_forward_mps = config_.max_forward_mps;
+  options.goal_tolerance_m = config_.goal_tolerance_m;
+  options.goal_tolerance_rad = config_.goal_tolerance_rad;
+  options.laser_timeout_s = config_.laser_timeout_s;
+  options.odometry_timeout_s = config_.odometry_timeout_s;
+  if (!map_->levels.levels.empty()) {
+    options.known = {map_->levels.levels.front().grid};
+  }
+  TL_ASSIGN_OR_RETURN(navigator_, mapless::MakeMaplessNavigator(
+                                      robot_->model(), WatchedDevices(),
+                                      options, robot_->clock()));
+  return absl::OkStatus();
+}
+
 absl::Status AgentProgram::MakeNavigator() {
+  if (config_.by_sight) return MakeSightNavigator();
   behavior::NavigatorOptions options;
   options.control_hz = kControlHz;
   options.plans_in_background = true;
@@ -258,17 +355,9 @@ absl::Status AgentProgram::MakeNavigator() {
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.finds_itself_at_start = config_.find_yourself;
   options.seed = static_cast<uint64_t>(config_.seed);
-  const behavior::NavigatorDevices raw = robot_->Devices();
-  const behavior::NavigatorDevices devices = {
-      .laser = laser_ == nullptr ? raw.laser : *laser_,
-      .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
-      .base = raw.base,
-      .rear_laser = raw.rear_laser,
-      .camera = camera_.get(),
-      .server = server_.get()};
   absl::StatusOr<std::unique_ptr<behavior::Navigator>> navigator =
-      behavior::Navigator::Create(*map_, robot_->model(), devices, options,
-                                  robot_->clock());
+      behavior::Navigator::Create(*map_, robot_->model(), WatchedDevices(),
+                                  options, robot_->clock());
   if (!navigator.ok()) {
     return base::Annotate(navigator.status(),
                           config_.map.empty() ? config_.simulate : config_.map);
@@ -311,18 +400,27 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
           .Text("name", info_.map_name)
           .Integer("levels", static_cast<int64_t>(map_->levels.levels.size()))
           .Integer("voxels", map_->voxels.CountOccupied()));
-  TL_RETURN_IF_ERROR(MakeRobot());
+  TL_RETURN_IF_ERROR(MakeRobot(stop));
+  if (stop.stop_requested()) return absl::OkStatus();
   TL_RETURN_IF_ERROR(WatchDevices());
   TL_RETURN_IF_ERROR(ConnectServer());
   TL_RETURN_IF_ERROR(Listen());
   if (!WaitForLasers(stop)) return absl::OkStatus();
   TL_RETURN_IF_ERROR(MakeNavigator());
   TL_RETURN_IF_ERROR(GiveOrders());
+  if (ros_robot_ != nullptr) {
+    TL_ASSIGN_OR_RETURN(
+        topics_, ros_app::AgentTopics::Start(
+                     *ros_robot_, *commands_, [this](const std::string& line) {
+                       log_.Say(logging::LogLevel::kWarn, line);
+                     }));
+  }
   AgentLoop loop(
       *robot_, *navigator_, *commands_, metrics_,
       {.camera = camera_.get(), .server = server_.get()},
       {.control_hz = kControlHz,
-       .speed = config_.speed,
+       .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
+                                    : config_.speed,
        .duration_s = config_.duration},
       real_clock_, [this](const std::string& kind, const std::string& text) {
         log_.Write(logging::LogLevel::kInfo,
@@ -332,12 +430,14 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
   loop.Run(stop);
   // Whoever watches is told before the drivers end.
   hub_.Close();
+  topics_.reset();
   if (recorder_ != nullptr) TL_RETURN_IF_ERROR(recorder_->Flush());
   log_.Write(logging::LogLevel::kInfo,
              log_.Event()
                  .Word("event", "stopped")
                  .Integer("steps", loop.steps())
                  .Integer("missed_deadlines", loop.missed_deadlines()));
+  if (ros_robot_ != nullptr) SayTopics(*ros_robot_, log_);
   return absl::OkStatus();
 }
 

@@ -47,13 +47,23 @@ TEST(StepTimer, WithoutAPeriodNothingIsLate) {
 
 TEST(AgentConfig, SaysWhatDoesNotFit) {
   AgentConfig config;
-  EXPECT_THAT(config.Validate().message(), HasSubstr("--simulate WORLD or"));
+  EXPECT_THAT(config.Validate().message(),
+              HasSubstr("one of --simulate WORLD"));
   config.simulate = "cafe";
   EXPECT_TRUE(config.Validate().ok());
   config.hardware = "robot.yaml";
-  EXPECT_THAT(config.Validate().message(), HasSubstr("--simulate WORLD or"));
+  EXPECT_THAT(config.Validate().message(),
+              HasSubstr("one of --simulate WORLD"));
   config.simulate.clear();
   EXPECT_THAT(config.Validate().message(), HasSubstr("--map"));
+  config.hardware.clear();
+  config.ros2 = "robot.yaml";
+  EXPECT_THAT(config.Validate().message(), HasSubstr("--map"));
+  config.map = "house";
+  EXPECT_TRUE(config.Validate().ok());
+  config.hardware = "robot.yaml";
+  EXPECT_THAT(config.Validate().message(), HasSubstr("--ros2 FILE"));
+  config.ros2.clear();
   config.map = "house";
   EXPECT_TRUE(config.Validate().ok());
   config.speed = 2;

@@ -7,6 +7,7 @@
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/control/parameters.h"
 #include "nav_agent/localization/parameters.h"
+#include "nav_agent/mapless/parameters.h"
 #include "nav_agent/planning/parameters.h"
 
 namespace treeline::run_app {
@@ -64,6 +65,7 @@ std::vector<ParameterTable> AgentParameterTables() {
       {.folder = "nav_agent/control", .rows = control::ControlParameters()},
       {.folder = "nav_agent/localization",
        .rows = localization::LocalizationParameters()},
+      {.folder = "nav_agent/mapless", .rows = mapless::MaplessParameters()},
       {.folder = "nav_agent/planning", .rows = planning::PlanningParameters()}};
 }
 

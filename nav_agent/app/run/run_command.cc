@@ -34,6 +34,7 @@ Examples:
   treeline-agent run --map house --simulate cafe --server 127.0.0.1:50051
   treeline-agent run --map house --hardware robot.yaml --find-yourself \
       --server reloc.local:50051 --scene house
+  treeline-agent run --map house --ros2 robot.yaml --find-yourself
   treeline-agent navigate --agent 127.0.0.1:50061 4,2,0)";
 
 struct RunFlags {

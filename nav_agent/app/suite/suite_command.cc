@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "nav_agent/app/suite/field_suite_command.h"
 #include "nav_agent/app/suite/kidnap_suite_command.h"
 #include "nav_agent/app/suite/lost_suite_command.h"
 #include "nav_agent/app/suite/mission_suite_command.h"
@@ -15,7 +16,7 @@ cli::Command AddSuiteCommand(CLI::App& app) {
   command->require_subcommand(1);
   const std::vector<cli::Command> suites = {
       AddLostSuite(*command), AddLostFit(*command), AddMissionSuite(*command),
-      AddKidnapSuite(*command)};
+      AddKidnapSuite(*command), AddFieldSuite(*command)};
   return {command, [suites](const std::stop_token& stop) {
             for (const cli::Command& suite : suites) {
               if (suite.app->parsed()) return suite.run(stop);

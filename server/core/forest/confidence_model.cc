@@ -71,4 +71,10 @@ ConfidenceModel ConfidenceModel::WithoutKeyframes() {
   return {{-9.5, 30, 0, 0, 0, 0, 0}, 0.5};
 }
 
+ConfidenceModel ConfidenceModel::OfSiftMatches() {
+  // 12 are about even odds, whatever the share: 9 agree by chance, and 15 do
+  // not (docs/research/structure-from-motion.md).
+  return {{-26.5, 5, 0, 0, 0, 0, 0, 0, 45, 0}, 0.5};
+}
+
 }  // namespace treeline::forest

@@ -22,8 +22,8 @@ struct PoseEvidence {
   double depth_agreement = 0;  // in [0, 1]
   // How far alignment moved the pose (m).
   double moved_m = 0;
-  // Features of keyframes that support the pose, each with one of the frame's;
-  // 0: it comes from a forest.
+  // Features of the frame that support the pose, each like one of a keyframe or
+  // of a structure from motion; 0: it comes from a forest of samples.
   int matches = 0;
   // Standard deviation of the position by the pose's covariance (m); 0: not
   // known.
@@ -52,6 +52,8 @@ struct ConfidenceModel {
   // scene's own begins with, and what serves models that have none.
   static ConfidenceModel Typical();
   static ConfidenceModel WithoutKeyframes();
+  // For poses by SIFT features that a forest knows: by how many agree.
+  static ConfidenceModel OfSiftMatches();
 
   bool operator==(const ConfidenceModel&) const = default;
 };

@@ -227,16 +227,22 @@ class Aligner {
   // whole picture and each part of it, since something may cover much of it.
   // Where brightness does not vary as the keyframe says, it tells none.
   Exposure FirstExposure(int level, size_t k) const {
+    // A dim picture differs by less: else a gain that makes all alike would
+    // explain anything.
+    const auto support_of = [&](const Exposure& exposure) {
+      return SumsOf(level, k, exposure,
+                    kExposureScales.front() * std::min(1.0F, exposure.gain))
+          .w;
+    };
     Exposure best;
-    float most = SumsOf(level, k, best, kExposureScales.front()).w;
+    float most = support_of(best);
     const auto consider = [&](const BrightnessMoments& moments) {
       if (moments.sums.w < kMinExposurePoints ||
           moments.Correlation() < kMinExposureCorrelation) {
         return;
       }
       const Exposure exposure = ExposureFrom(moments.sums);
-      const float support =
-          SumsOf(level, k, exposure, kExposureScales.front()).w;
+      const float support = support_of(exposure);
       if (support <= most) return;
       most = support;
       best = exposure;

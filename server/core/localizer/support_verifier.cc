@@ -5,8 +5,8 @@
 namespace treeline::localizer {
 
 SupportVerifier::SupportVerifier(const forest::ModelInfo& info)
-    : confidence_(info.confidence.value_or(
-          forest::ConfidenceModel::WithoutKeyframes())),
+    : confidence_(
+          info.confidence.value_or(forest::ConfidenceModel::OfSiftMatches())),
       viewing_distance_(info.viewing_distance) {}
 
 Verdict SupportVerifier::Verify(Query& query,
@@ -18,6 +18,7 @@ Verdict SupportVerifier::Verify(Query& query,
   // A share of few matches means little.
   verdict.evidence.inlier_ratio =
       static_cast<double>(pose.inliers) / (candidate.samples + kFewMatches);
+  verdict.evidence.matches = pose.inliers;
   verdict.confidence = confidence_.Probability(verdict.evidence);
   verdict.reason = ReasonAgainst(
       {.has_enough_inliers = pose.inliers >= kMinSiftInliers,

@@ -67,7 +67,7 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const dataset::Dataset& dataset,
     confidence.threads = sift.threads;
     confidence.translation_m = kRightPosition * part.viewing_distance;
     confidence.rotation_rad = kRightRotation_rad;
-    confidence.prior = forest::ConfidenceModel::WithoutKeyframes();
+    confidence.prior = forest::ConfidenceModel::OfSiftMatches();
     TL_ASSIGN_OR_RETURN(
         info.confidence,
         LearnConfidence(

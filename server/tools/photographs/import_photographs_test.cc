@@ -16,9 +16,9 @@
 #include "common/image/quarter_turn.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/core/training/box_room_recording.h"
 #include "server/tools/capture/testing_captures.h"
 #include "server/tools/photographs/structure_from_motion.h"
+#include "server/tools/photographs/testing_walk.h"
 
 namespace treeline::photographs {
 namespace {
@@ -67,27 +67,6 @@ class ImportPhotographsTest : public testing::Test {
     return ImportPhotographs(folder_.Path(source), options, stop);
   }
 
-  // Level, before a wall of the room, turned a little.
-  static geometry::Rigid3 AlongTheWall(double along_m, double yaw_rad,
-                                       double height_m) {
-    const geometry::Rotation3 level{0.5, -0.5, 0.5, -0.5};
-    const geometry::Rotation3 turn{std::cos(yaw_rad / 2), 0, 0,
-                                   std::sin(yaw_rad / 2)};
-    return {turn * level, {-0.8, along_m, height_m}};
-  }
-  static image::ColorImage Picture(const geometry::Rigid3& world_from_camera,
-                                   int width, int height) {
-    camera::RgbdCalibration calibration;
-    calibration.color = calibration.depth =
-        camera::Camera::Parse(
-            absl::StrFormat("PINHOLE,400,400,%g,%g", (width - 1) / 2.0,
-                            (height - 1) / 2.0),
-            width, height)
-            .value();
-    return training::RenderBoxRoom(calibration, world_from_camera,
-                                   training::BoxRoomWalls::kTiled)
-        .color;
-  }
   // Of stems whose `digits` digits from `first` on are the number in `truth`.
   static void ExpectTruePoses(const dataset::Dataset& frames,
                               const std::vector<geometry::Rigid3>& truth,
@@ -184,8 +163,9 @@ TEST_F(ImportPhotographsTest, ColmapFindsTheTruePosesOfARoom) {
     // Sideways along a wall and back, at two heights.
     truth.push_back(AlongTheWall(-1.2 + 2.4 * (i % 7) / 6.0, 0.15 * std::sin(i),
                                  i < 7 ? -0.3 : 0.4));
-    folder_.Write(absl::StrFormat("photos/p%02d.jpg", i),
-                  *image::EncodeJpeg(Picture(truth.back(), 480, 360), 95));
+    folder_.Write(
+        absl::StrFormat("photos/p%02d.jpg", i),
+        *image::EncodeJpeg(PictureOfRoom(truth.back(), 480, 360), 95));
   }
   const double apart_m =
       geometry::Norm(truth[0].translation - truth[6].translation);
@@ -209,7 +189,7 @@ TEST_F(ImportPhotographsTest, ColmapFindsTheTruePosesOfAVideo) {
     truth.push_back(AlongTheWall(-1.2 + 2.4 * i / (kFrames - 1),
                                  0.15 * std::sin(0.5 * i),
                                  0.3 * std::sin(0.3 * i)));
-    stored.push_back(image::Turned(Picture(truth.back(), 360, 480),
+    stored.push_back(image::Turned(PictureOfRoom(truth.back(), 360, 480),
                                    image::QuarterTurn::kCounterclockwise));
   }
   capture::WriteVideo(stored, image::QuarterTurn::kClockwise,

@@ -1,5 +1,7 @@
 // The device's camera as a video, and its pictures as files.
 
+import type { Pinhole, RigidTransform } from '@treeline/client';
+
 import { sentSize } from '../model/camera_guess.js';
 
 /** `name` is that of getUserMedia's DOMException, or InsecureContext. */
@@ -14,12 +16,34 @@ export interface Picture {
   readonly widthPx: number;
   readonly heightPx: number;
   readonly captureTimeMs: number;
+  /** Where the device's tracking tells camera and pose. */
+  readonly tracked?: TrackedView;
+}
+
+/** What a device that tracks itself knows of a picture. */
+export interface TrackedView {
+  readonly timeMs: number;
+  readonly camera: Pinhole;
+  readonly deviceFromCamera: RigidTransform;
+}
+
+export interface PictureSource {
+  /** The next one. */
+  picture(): Promise<Picture>;
+}
+
+/** Encodes what a canvas shows. */
+export async function jpegOf(canvas: HTMLCanvasElement): Promise<Blob> {
+  const jpeg = await new Promise<Blob | null>((resolve) =>
+    canvas.toBlob(resolve, 'image/jpeg', JPEG_QUALITY));
+  if (jpeg === null) throw new Error('the browser made no JPEG');
+  return jpeg;
 }
 
 // Beyond this, more bytes hardly show the server more.
 const JPEG_QUALITY = 0.9;
 
-export class DeviceCamera {
+export class DeviceCamera implements PictureSource {
   private readonly canvas = document.createElement('canvas');
 
   private constructor(private readonly video: HTMLVideoElement,
@@ -61,9 +85,7 @@ export class DeviceCamera {
     const captureTimeMs = performance.now();
     this.canvas.getContext('2d')!
         .drawImage(this.video, 0, 0, widthPx, heightPx);
-    const jpeg = await new Promise<Blob | null>((resolve) =>
-      this.canvas.toBlob(resolve, 'image/jpeg', JPEG_QUALITY));
-    if (jpeg === null) throw new Error('the browser made no JPEG');
+    const jpeg = await jpegOf(this.canvas);
     return { jpeg, widthPx, heightPx, captureTimeMs };
   }
 

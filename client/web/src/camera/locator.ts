@@ -1,12 +1,13 @@
 // The camera's newest picture is located, again and again, while it runs.
 
-import { type LocalizeAnswer, type Pinhole, type TimedQuery, type TreelineClient,
-  type TreelineError } from '@treeline/client';
+import { gravityInCamera, type LocalizeAnswer, type LocalizeQuery,
+  type Pinhole, type TimedQuery, type TreelineClient, type TreelineError } from
+  '@treeline/client';
 
 import { answeredPinhole, guessedPinhole, statedCamera } from
   '../model/camera_guess.js';
 import type { LocatedPicture } from '../model/pin.js';
-import type { DeviceCamera, Picture } from './device_camera.js';
+import type { Picture, PictureSource } from './device_camera.js';
 
 /** What became of one picture. */
 export type Located = {
@@ -48,8 +49,13 @@ export function locatedPictureOf(located: Located): LocatedPicture | null {
   };
 }
 
+// Which way is up: by the device's tracking, else as the page is held.
+const upOf = ({ tracked }: Picture): Partial<LocalizeQuery> =>
+  tracked === undefined ? { sideUp: 'top', sideUpIsGuess: true } :
+    { gravityInCameraMps2: gravityInCamera(tracked.deviceFromCamera) };
+
 /** Runs until `signal` says so. A failed picture ends nothing but itself. */
-export async function locate(client: TreelineClient, camera: DeviceCamera,
+export async function locate(client: TreelineClient, camera: PictureSource,
     options: LocatorOptions, signal: AbortSignal): Promise<void> {
   const sent = new Map<number, { picture: Picture; stated: Pinhole }>();
   // A picture is taken when the answer before it is there: one that waited
@@ -60,11 +66,11 @@ export async function locate(client: TreelineClient, camera: DeviceCamera,
       const free = new Promise<void>((resolve) => { isFree = resolve; });
       const picture = await camera.picture();
       const { widthPx, heightPx, jpeg, captureTimeMs } = picture;
-      const stated =
+      const stated = picture.tracked?.camera ??
           guessedPinhole(options.fieldOfViewDeg(), widthPx, heightPx);
       sent.set(captureTimeMs, { picture, stated });
       yield { captureTimeMs, query: { scene: options.scene, color: jpeg,
-        camera: statedCamera(stated), sideUp: 'top', sideUpIsGuess: true,
+        camera: statedCamera(stated), ...upOf(picture),
         wantsCorrespondences: true } };
       await Promise.all([free, pause(MIN_INTERVAL_MS, signal)]);
     }

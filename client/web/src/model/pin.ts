@@ -38,6 +38,17 @@ export function project({ camera, worldFromCamera }: LocatedPicture,
     yPx: camera.fyPx * y / z + camera.cyPx };
 }
 
+/**
+ * What another picture showed, where this camera sees it now; what lies behind
+ * it is left out.
+ */
+export const seenAgain = (
+    picture: LocatedPicture): readonly Correspondence[] =>
+  picture.correspondences.flatMap((each) => {
+    const at = project(picture, each.pointInWorldM);
+    return at === null ? [] : [{ ...each, ...at }];
+  });
+
 // At depth 1.
 const rayInCamera = (camera: Pinhole, { xPx, yPx }: PixelPoint): Vector3 => ({
   x: (xPx - camera.cxPx) / camera.fxPx,

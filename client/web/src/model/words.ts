@@ -1,6 +1,6 @@
 // Answers and failures in words, with what to do.
 
-import { TreelineError, type LocalizeAnswer, type Scene } from
+import { TreelineError, type DriftState, type LocalizeAnswer, type Scene } from
   '@treeline/client';
 
 export type Tone = 'calm' | 'busy' | 'warn' | 'bad';
@@ -44,6 +44,29 @@ export const reasonInWords = (reason: string): string =>
 const LOCATED: Saying = { title: 'Located', tone: 'calm',
   text: 'The drawing belongs to the last picture sent and stands still until ' +
     'the next answer. Hold the camera still.' };
+
+const IN_SPACE: Readonly<Record<DriftState, Saying>> = {
+  searching: { title: 'Looking', tone: 'busy',
+    text: 'Move slowly, and look at things that were recorded.' },
+  tentative: { title: 'Nearly there', tone: 'busy',
+    text: 'Found once. Move sideways: a second view makes it sure.' },
+  locked: { title: 'Located', tone: 'calm',
+    text: 'The device follows the drawing; answers correct it.' },
+  lost: { title: 'Lost', tone: 'warn',
+    text: 'Nothing has confirmed this place for long: the drawing may be ' +
+      'wrong. Look at things that were recorded.' },
+};
+
+/** Of a device that tracks itself. */
+export const sayingOfTracking = (state: DriftState): Saying => IN_SPACE[state];
+
+/** Why there is no session in the space around the device. */
+export const sayingOfSpace = (name: string): Saying => ({
+  title: 'Not in space', tone: 'warn', text: name === 'NotAllowedError' ?
+    'The browser was not allowed to use augmented reality. Allow it for this ' +
+      'page and start again, or start the camera alone.' :
+    `This device shows pages no camera in augmented reality (${name}). ` +
+      'Start the camera alone.' });
 
 export const sayingOfAnswer = (answer: LocalizeAnswer): Saying =>
   answer.localized ? LOCATED : {

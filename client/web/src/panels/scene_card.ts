@@ -3,11 +3,12 @@
 import type { Scene } from '@treeline/client';
 
 import { whySceneCannotAnswer } from '../model/words.js';
-import { button, card, el, setText } from '../common/dom.js';
+import { button, card, el, setShown, setText } from '../common/dom.js';
 
 export interface SceneCardEvents {
   readonly onScene: (name: string) => void;
   readonly onStart: () => void;
+  readonly onStartInSpace: () => void;
   readonly onStop: () => void;
   readonly onToken: (token: string) => void;
 }
@@ -17,6 +18,7 @@ export class SceneCard {
   private readonly select = el('select', { id: 'scene', on: {
     change: () => this.events.onScene(this.select.value) } });
   private readonly start: HTMLButtonElement;
+  private readonly startInSpace: HTMLButtonElement;
   private readonly token = el('input', { id: 'token', attributes: {
     'type': 'password', 'autocomplete': 'off', 'spellcheck': 'false' } });
   private readonly access: HTMLDetailsElement;
@@ -30,6 +32,9 @@ export class SceneCard {
     this.start = button('Start camera',
         () => (this.isRunning ? events.onStop() : events.onStart()),
         { id: 'start', class: 'primary' });
+    this.startInSpace = button('Start in the space around you',
+        () => events.onStartInSpace(), { id: 'start-space' });
+    setShown(this.startInSpace, false);
     this.access = el('details', { id: 'access' }, el('summary', {}, 'Access'),
         el('label', { attributes: { for: 'token' } }, 'Token of the server'),
         el('div', { class: 'row' }, this.token, button('Use',
@@ -40,7 +45,8 @@ export class SceneCard {
     this.element = card('Scene', 'scene-card',
         el('label', { class: 'hidden-label', attributes: { for: 'scene' } },
             'Scene'),
-        el('div', { class: 'row' }, this.select, this.start), this.access);
+        el('div', { class: 'row' }, this.select, this.start), this.startInSpace,
+        this.access);
     this.setScenes([], '');
   }
 
@@ -67,7 +73,13 @@ export class SceneCard {
   setRunning(isRunning: boolean): void {
     this.isRunning = isRunning;
     this.start.disabled = !isRunning && this.select.value === '';
+    this.startInSpace.disabled = isRunning || this.select.value === '';
     setText(this.start, isRunning ? 'Stop' : 'Start camera');
+  }
+
+  /** The device tracks itself, and shows pages what its camera sees. */
+  offerSpace(): void {
+    setShown(this.startInSpace, true);
   }
 
   askForToken(): void {

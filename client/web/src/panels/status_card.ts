@@ -36,7 +36,8 @@ export class StatusCard {
       return el('div', {}, el('dt', {}, label), value);
     });
     this.element = card('Where the camera is', 'status',
-        el('div', { attributes: { role: 'status' } }, this.title, this.text),
+        el('div', { class: 'space-part', attributes: { role: 'status' } },
+            this.title, this.text),
         el('dl', { class: 'figures' }, ...rows));
   }
 

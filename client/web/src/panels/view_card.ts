@@ -18,6 +18,7 @@ const LAYERS: readonly (readonly [Layer, string, boolean])[] = [
   ['cloud', 'Points of the model', false],
   ['keyframes', 'Where it was recorded', false],
   ['points', 'Points that agree (discs) or not (crosses)', false],
+  ['loupe', 'Loupe: which pixels agree, and by how much', false],
   ['still', 'Hold the picture that was located', false],
 ];
 

@@ -1,7 +1,7 @@
 // What is drawn over the video, in the world of the scene: its grid, its box
 // and the notes' places.
 
-import { toColumnMajor4, toOpenGlCamera, transformPoint, type Pinhole,
+import { IDENTITY, inverse, toColumnMajor4, toOpenGlCamera, transformPoint, type Pinhole,
   type RigidTransform, type SceneMap } from '@treeline/client';
 import * as THREE from 'three';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
@@ -106,9 +106,12 @@ function keyframesOf({ camera, worldFromKeyframe }: SceneMap): LineSegments2 {
 
 export class Overlay {
   readonly canvas: HTMLCanvasElement;
-  private readonly renderer: THREE.WebGLRenderer;
+  readonly renderer: THREE.WebGLRenderer;
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.Camera();
+  // The device's own, while a session in the space around it is presented.
+  private readonly spaceCamera =
+      new THREE.PerspectiveCamera(60, 1, NEAR_M, FAR_M);
   private readonly notes = new THREE.Group();
   private readonly drawings = new Map<OverlayLayer,
       LineSegments2 | THREE.Points>();
@@ -169,7 +172,31 @@ export class Overlay {
     this.draw();
   }
 
+  /** From now on drawSpace() draws, in the session's frames. */
+  async present(session: XRSession): Promise<void> {
+    this.picture = null;
+    this.renderer.xr.enabled = true;
+    this.renderer.xr.setReferenceSpaceType('local');
+    await this.renderer.xr.setSession(session);
+  }
+
+  /** The session has ended. */
+  leaveSpace(): void {
+    this.renderer.setAnimationLoop(null);
+    this.renderer.xr.enabled = false;
+    setPose(this.scene, IDENTITY);
+    this.scene.visible = true;
+  }
+
+  /** Null: nothing is known of where the device's space is in the world. */
+  drawSpace(worldFromDevice: RigidTransform | null): void {
+    this.scene.visible = worldFromDevice !== null;
+    if (worldFromDevice !== null) setPose(this.scene, inverse(worldFromDevice));
+    this.renderer.render(this.scene, this.spaceCamera);
+  }
+
   resize(widthPx: number, heightPx: number): void {
+    if (this.renderer.xr.isPresenting) return;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.renderer.setSize(widthPx, heightPx, false);
     this.draw();
@@ -177,9 +204,11 @@ export class Overlay {
 
   /** Where three.js draws a point of the world, as a share of the picture. */
   shareOf(x: number, y: number, z: number): { x: number; y: number } | null {
-    if (this.picture === null) return null;
+    const inSpace = this.renderer.xr.isPresenting;
+    if (inSpace ? !this.scene.visible : this.picture === null) return null;
     this.camera.updateMatrixWorld();
-    const point = new THREE.Vector3(x, y, z).project(this.camera);
+    const point = new THREE.Vector3(x, y, z).applyMatrix4(this.scene.matrix)
+        .project(inSpace ? this.spaceCamera : this.camera);
     if (point.z > 1 || point.z < -1) return null;
     return { x: (point.x + 1) / 2, y: (1 - point.y) / 2 };
   }
@@ -202,6 +231,8 @@ export class Overlay {
     for (const [layer, drawing] of this.drawings) {
       drawing.visible = !this.hidden.has(layer);
     }
+    // The session's next frame draws.
+    if (this.renderer.xr.isPresenting) return;
     if (this.picture === null) this.renderer.clear();
     else this.renderer.render(this.scene, this.camera);
   }

@@ -2,9 +2,9 @@
 
 import type { Correspondence } from '@treeline/client';
 
-const AGREED = '#7cf0bd';
-const DISAGREED = '#ff9d7a';
-const OUTLINE = 'rgb(0 0 0 / 65%)';
+export const AGREED = '#7cf0bd';
+export const DISAGREED = '#ff9d7a';
+export const OUTLINE = 'rgb(0 0 0 / 65%)';
 const RADIUS_PX = 2.5;
 
 /** Shape tells the two apart too: a disc agreed, a cross did not. */

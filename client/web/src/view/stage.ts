@@ -1,15 +1,21 @@
 // The video with everything that lies over it, and the pointing at it.
 
-import type { SceneMap } from '@treeline/client';
+import type { RigidTransform, SceneMap } from '@treeline/client';
 
 import { button, el, setShown } from '../common/dom.js';
 import type { Note } from '../model/notes.js';
 import { project, type LocatedPicture, type PixelPoint } from '../model/pin.js';
 import type { Bounds, UpAxis } from '../model/scene_up.js';
+import { Loupe } from './loupe.js';
 import { Overlay, type OverlayLayer } from './overlay.js';
 import { drawPoints } from './points.js';
 
-export type Layer = OverlayLayer | 'points' | 'still';
+// Those that this file draws itself.
+type PictureLayer = 'points' | 'still' | 'loupe';
+export type Layer = OverlayLayer | PictureLayer;
+
+const isPictureLayer = (layer: Layer): layer is PictureLayer =>
+  layer === 'points' || layer === 'still' || layer === 'loupe';
 
 export interface StageEvents {
   readonly onPoint: (at: PixelPoint) => void;
@@ -37,10 +43,12 @@ export class Stage {
   private readonly labels = el('div', { class: 'labels' });
   private readonly target: HTMLElement;
   private readonly frame: HTMLElement;
-  private readonly shown = { points: false, still: false };
+  private readonly shown = { points: false, still: false, loupe: false };
+  private readonly loupe = new Loupe();
   private notes: readonly Note[] = [];
   private picture: LocatedPicture | null = null;
   private isStarted = false;
+  private isInSpace = false;
   private crossX = 0.5;
   private crossY = 0.5;
 
@@ -52,10 +60,12 @@ export class Stage {
       on: {
         click: (event) => this.onClick(event),
         keydown: (event) => this.onKey(event),
+        pointermove: (event) => this.onPointer(event),
       },
     }, this.cross);
     this.frame = el('div', { class: 'frame', id: 'frame' }, this.video,
-        this.still, this.overlay.canvas, this.points, this.target, this.labels);
+        this.still, this.overlay.canvas, this.points, this.target, this.labels,
+        this.loupe.element);
     this.element = el('section', { class: 'stage',
       attributes: { 'aria-label': 'Camera' } }, this.frame, empty);
     this.video.muted = true;
@@ -70,6 +80,36 @@ export class Stage {
     setShown(this.frame, isStarted);
     this.setPicture(null, null);
     this.resize();
+  }
+
+  /** What a session in the space around the device is drawn with. */
+  get renderer() {
+    return this.overlay.renderer;
+  }
+
+  async enterSpace(session: XRSession): Promise<void> {
+    await this.overlay.present(session);
+    this.isInSpace = true;
+    setShown(this.frame, true);
+    setShown(this.video, false);
+    this.resize();
+  }
+
+  leaveSpace(): void {
+    if (!this.isInSpace) return;
+    this.isInSpace = false;
+    this.overlay.leaveSpace();
+    setShown(this.video, true);
+    this.setStarted(false);
+  }
+
+  /** In each frame of the session. */
+  drawSpace(picture: LocatedPicture | null,
+      worldFromDevice: RigidTransform | null): void {
+    this.picture = picture;
+    this.placeLabels();
+    this.placeLayers();
+    this.overlay.drawSpace(worldFromDevice);
   }
 
   setScene(bounds: Bounds | null, up: UpAxis): void {
@@ -89,7 +129,7 @@ export class Stage {
   }
 
   show(layer: Layer, isShown: boolean): void {
-    if (layer === 'points' || layer === 'still') {
+    if (isPictureLayer(layer)) {
       this.shown[layer] = isShown;
       this.placeLayers();
     } else {
@@ -126,10 +166,23 @@ export class Stage {
     this.still.height = bitmap.height;
     this.still.getContext('2d')!.drawImage(bitmap, 0, 0);
     bitmap.close();
+    this.placeLoupe();
+  }
+
+  private placeLoupe(): void {
+    const { picture, crossPoint } = this;
+    if (!this.shown.loupe || this.isInSpace || picture === null ||
+        crossPoint === null) {
+      this.loupe.hide();
+    } else {
+      this.loupe.show(picture, this.still, crossPoint);
+    }
   }
 
   private placeLayers(): void {
-    setShown(this.still, this.shown.still && this.picture !== null);
+    setShown(this.still,
+        this.shown.still && this.picture !== null && !this.isInSpace);
+    this.placeLoupe();
     const isPointed = this.shown.points && this.picture !== null;
     setShown(this.points, isPointed);
     if (isPointed) {
@@ -158,11 +211,19 @@ export class Stage {
   }
 
   private onClick(event: MouseEvent): void {
+    this.crossTo(event);
+    this.point();
+  }
+
+  private onPointer(event: MouseEvent): void {
+    if (this.shown.loupe) this.crossTo(event);
+  }
+
+  private crossTo(event: MouseEvent): void {
     const box = this.target.getBoundingClientRect();
     this.crossX = (event.clientX - box.left) / box.width;
     this.crossY = (event.clientY - box.top) / box.height;
     this.moveCross(0, 0);
-    this.point();
   }
 
   private onKey(event: KeyboardEvent): void {
@@ -188,17 +249,24 @@ export class Stage {
     this.crossY = within(this.crossY + y * STEP_SHARE);
     this.cross.style.left = `${100 * this.crossX}%`;
     this.cross.style.top = `${100 * this.crossY}%`;
+    this.placeLoupe();
   }
 
   // The frame is as large as the stage allows, in the shape of the video.
   private resize(): void {
     const { videoWidth, videoHeight } = this.video;
     const { clientWidth, clientHeight } = this.element;
+    if (this.isInSpace) {
+      this.fit(clientWidth, clientHeight);
+      return;
+    }
     if (!this.isStarted || videoWidth === 0 || clientWidth === 0) return;
     const scale =
         Math.min(clientWidth / videoWidth, clientHeight / videoHeight);
-    const widthPx = Math.round(videoWidth * scale);
-    const heightPx = Math.round(videoHeight * scale);
+    this.fit(Math.round(videoWidth * scale), Math.round(videoHeight * scale));
+  }
+
+  private fit(widthPx: number, heightPx: number): void {
     this.frame.style.width = `${widthPx}px`;
     this.frame.style.height = `${heightPx}px`;
     this.points.width = widthPx * window.devicePixelRatio;

@@ -1,0 +1,65 @@
+// Fields of cylinders, driven through as in the BARN challenge: the goal is 10
+// m ahead, nothing is known beforehand, a touch ends it. docs/reference/
+// suites.md.
+#ifndef EVALUATION_FIELDS_FIELD_SUITE_H_
+#define EVALUATION_FIELDS_FIELD_SUITE_H_
+
+#include <cstdint>
+#include <stop_token>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "evaluation/suites/suite_run.h"
+#include "nav_agent/core/robot_file.h"
+#include "nav_agent/mapless/mapless_navigator.h"
+
+namespace treeline::fields {
+
+// Of the challenge (its run.py): how near the goal must be, after how long a
+// run ends, and the speed of its optimal time.
+inline constexpr double kReached_m = 1.0;
+inline constexpr double kLongest_s = 100;
+inline constexpr double kOptimal_mps = 2.0;
+
+enum class FieldOutcome : uint8_t {
+  kReached,
+  kTouched,  // something; the run ends there
+  kFailed,   // it gave up: cause and why
+  kTimeout
+};
+const char* FieldOutcomeName(FieldOutcome outcome);
+
+struct FieldOptions {
+  // "field:N", or a world file with places "start" and "goal".
+  std::string world;
+  // Of the sensors' and the wheels' noise.
+  uint64_t seed = 0;
+  core::RobotDescription robot;
+  mapless::MaplessOptions navigator;
+};
+
+struct FieldRun : suites::SuiteRun {
+  FieldOutcome outcome = FieldOutcome::kFailed;
+  // The best way (BestWay_m; of a world file, the straight line).
+  double best_way_m = 0;
+  // From its first 0.1 m to the end.
+  double time_s = 0;
+  // The least distance that the body had from its way's end.
+  double goal_off_m = 0;
+  int way_changes = 0;
+  int recoveries = 0;
+
+  bool IsGood() const { return outcome == FieldOutcome::kReached && IsSafe(); }
+  // The challenge's: optimal time / clip(time, 2 and 8 optimal times), 0 if the
+  // goal was not reached; at most 0.5.
+  double Score() const;
+};
+
+// Deterministic by options, times apart. CANCELLED if `stop` is requested;
+// NOT_FOUND: a world file without the two places.
+absl::StatusOr<FieldRun> RunField(const FieldOptions& options,
+                                  const std::stop_token& stop);
+
+}  // namespace treeline::fields
+
+#endif  // EVALUATION_FIELDS_FIELD_SUITE_H_

@@ -1,0 +1,40 @@
+// Robots as configuration: measures, speeds and lasers by name, or from a file.
+#ifndef NAV_AGENT_CORE_ROBOT_FILE_H_
+#define NAV_AGENT_CORE_ROBOT_FILE_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+
+namespace treeline::core {
+
+struct RobotDescription {
+  std::string name;
+  RobotModel model;
+  RobotLasers lasers;
+
+  absl::Status Validate() const;
+};
+
+// The robots that programs know: "rmp100", the thesis's Segway with a UTM-30LX
+// ahead and a UST-10LX behind; "jackal", Clearpath's as the BARN challenge
+// drives it, 0.508 x 0.430 m, with one laser of 270 degrees.
+std::vector<std::string> RobotNames();
+
+// A YAML text (docs/reference/robots.md): `like` one of these, and what is
+// otherwise. INVALID_ARGUMENT, "FILE:LINE: reason"; `name` is what errors call
+// the file. Safe on any bytes.
+absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
+                                            absl::string_view name);
+
+// One of RobotNames(), or a file: ends in .yaml or contains a '/'.
+absl::StatusOr<RobotDescription> ReadRobot(const std::string& name_or_path);
+
+}  // namespace treeline::core
+
+#endif  // NAV_AGENT_CORE_ROBOT_FILE_H_

@@ -1,0 +1,126 @@
+#include "nav_agent/mapless/rollout_controller.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "gtest/gtest.h"
+#include "nav_agent/mapless/dead_reckoning.h"
+#include "nav_agent/mapless/testing_clutter.h"
+
+namespace treeline::mapless {
+namespace {
+
+// A robot that follows commands at once, within its accelerations.
+class Drive {
+ public:
+  explicit Drive(geometry::Vec2 goal) : goal_(goal) {}
+
+  // Until it is near the goal, or time is over. The least room it had.
+  double Until_s(double end_s, const LiveMap& map) {
+    double least_m = 1;
+    for (double now_s = 0; now_s < end_s; now_s += 0.025) {
+      const geometry::Vec2 at = motion_.map_from_base.translation;
+      const ClearanceWindow clearance(map, at - geometry::Vec2{4, 4},
+                                      at + geometry::Vec2{4, 4});
+      least_m = std::min(least_m,
+                         body_.RoomAt_m(clearance, motion_.map_from_base, 1));
+      if (geometry::Norm(at - goal_) < 0.15) {
+        took_s_ = now_s;
+        break;
+      }
+      if (steps_++ % 6 == 0) way_.Update(map, at, goal_);
+      const core::VelocityCommand command =
+          rollouts_.Best(motion_, clearance, way_)
+              .value_or(core::VelocityCommand());
+      const auto toward = [](double from, double to, double step) {
+        return from + std::clamp(to - from, -step, step);
+      };
+      motion_.forward_mps =
+          toward(motion_.forward_mps, command.forward_mps, 0.025 * 2);
+      motion_.yaw_rate_radps =
+          toward(motion_.yaw_rate_radps, command.yaw_rate_radps, 0.025 * 8);
+      motion_.map_from_base =
+          MovedOn(motion_.map_from_base, motion_.forward_mps,
+                  motion_.yaw_rate_radps, 0.025);
+    }
+    return least_m;
+  }
+
+  std::optional<double> took_s() const { return took_s_; }
+  RobotMotion& motion() { return motion_; }
+
+ private:
+  geometry::Vec2 goal_;
+  BodyShape body_{SmallRobot(), 0};
+  BodyShape wide_{SmallRobot(), kBodyMargin_m};
+  WayField way_{wide_};
+  RolloutController rollouts_{SmallRobot(), wide_, {1.5, 2}};
+  RobotMotion motion_;
+  int steps_ = 0;
+  std::optional<double> took_s_;
+};
+
+TEST(RolloutController, DrivesStraightWhereNothingIs) {
+  LiveMap map;
+  Drive drive({4, 0});
+  drive.Until_s(10, map);
+  ASSERT_TRUE(drive.took_s().has_value());
+  // 0.75 s to 1.5 m/s, and as long to stop: 3.4 s at best.
+  EXPECT_LT(*drive.took_s(), 6);
+}
+
+TEST(RolloutController, TurnsFirstIfTheGoalIsBehind) {
+  LiveMap map;
+  Drive drive({-3, 0});
+  drive.Until_s(12, map);
+  EXPECT_TRUE(drive.took_s().has_value());
+}
+
+TEST(RolloutController, GetsThroughAGapWithoutATouch) {
+  LiveMap map;
+  AddWall({2, -3}, {2, 0.6}, map);
+  AddWall({2, 1.3}, {2, 4}, map);
+  Drive drive({4, 0});
+  // A cell may be nearer than the wall in it by half.
+  EXPECT_GT(drive.Until_s(15, map), -kCell_m / 2);
+  EXPECT_TRUE(drive.took_s().has_value());
+}
+
+TEST(RolloutController, StandsBeforeAWallThatAppears) {
+  LiveMap map;
+  AddWall({1.2, -3}, {1.2, 3}, map);
+  AddWall({-3, -3}, {1.2, -3}, map);
+  AddWall({-3, 3}, {1.2, 3}, map);
+  AddWall({-3, -3}, {-3, 3}, map);
+  Drive drive({4, 0});
+  drive.motion().forward_mps = 1.0;
+  EXPECT_GT(drive.Until_s(4, map), -kCell_m / 2);
+  EXPECT_FALSE(drive.took_s().has_value());
+}
+
+TEST(RolloutController, BacksOffFromADeadEnd) {
+  LiveMap map;
+  AddWall({0.35, -0.3}, {0.35, 0.3}, map);
+  AddWall({-0.6, 0.3}, {0.35, 0.3}, map);
+  AddWall({-0.6, -0.3}, {0.35, -0.3}, map);
+  const ClearanceWindow clearance(map, {-4, -4}, {4, 4});
+  const BodyShape body(SmallRobot(), 0.01);
+  RolloutController rollouts(SmallRobot(), body, {1.5, 2});
+  EXPECT_LT(rollouts.BackOff({}, clearance).forward_mps, 0);
+}
+
+TEST(RolloutController, TurnsOnlyWhereThereIsRoom) {
+  LiveMap map;
+  const BodyShape body(SmallRobot(), 0.01);
+  const RolloutController rollouts(SmallRobot(), body, {1.5, 2});
+  const ClearanceWindow free(map, {-4, -4}, {4, 4});
+  EXPECT_GT(rollouts.Turn({}, free, 1).yaw_rate_radps, 0);
+  EXPECT_LT(rollouts.Turn({}, free, -1).yaw_rate_radps, 0);
+  AddWall({-1, 0.26}, {1, 0.26}, map);
+  AddWall({-1, -0.26}, {1, -0.26}, map);
+  const ClearanceWindow narrow(map, {-4, -4}, {4, 4});
+  EXPECT_EQ(rollouts.Turn({}, narrow, 1.5).yaw_rate_radps, 0);
+}
+
+}  // namespace
+}  // namespace treeline::mapless
