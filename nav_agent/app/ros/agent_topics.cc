@@ -10,8 +10,8 @@
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
 #include "common/ros2/conversions/geometry_values.h"
-#include "nav_agent/bridge/agent_values/laser_values.h"
 #include "common/ros2/messages/message_codec.h"
+#include "nav_agent/bridge/agent_values/laser_values.h"
 
 namespace treeline::ros_app {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "common/ros2/conversions/geometry_values.h"
-#include "nav_agent/bridge/dds/testing_domain.h"
 #include "common/ros2/messages/message_codec.h"
+#include "nav_agent/bridge/dds/testing_domain.h"
 #include "nav_agent/service/testing_navigator.h"
 
 namespace treeline::ros_app {

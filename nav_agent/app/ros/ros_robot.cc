@@ -10,8 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/app/bridge/bridge_config.h"
 #include "common/ros2/messages/message_codec.h"
+#include "nav_agent/app/bridge/bridge_config.h"
 
 namespace treeline::ros_app {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "common/geometry/rigid3.h"
-#include "nav_agent/behavior/navigator_snapshot.h"
 #include "common/ros2/messages/common_messages.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/nav_messages.h"
+#include "nav_agent/behavior/navigator_snapshot.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/service/agent_hub.h"
 

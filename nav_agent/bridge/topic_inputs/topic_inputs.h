@@ -14,8 +14,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "nav_agent/bridge/dds/node.h"
 #include "common/ros2/messages/message_codec.h"
+#include "nav_agent/bridge/dds/node.h"
 
 namespace treeline::topic_inputs {
 
