@@ -39,14 +39,17 @@ class ContentsReader {
   RosContents Finish() && {
     for (auto& [topic, pictures] : pictures_) {
       std::ranges::stable_sort(pictures.pictures, {}, &RosPicture::stamp_ns);
+      // clang 14 cannot read what std::ranges::unique returns.
       const auto twice =
-          std::ranges::unique(pictures.pictures, {}, &RosPicture::stamp_ns);
-      for (const RosPicture& picture : twice) {
-        contents_.left_out.Add(
-            "the time is that of another picture",
-            absl::StrCat(topic, " at ", picture.stamp_ns, " ns"));
+          std::unique(pictures.pictures.begin(), pictures.pictures.end(),
+                      [](const RosPicture& a, const RosPicture& b) {
+                        return a.stamp_ns == b.stamp_ns;
+                      });
+      for (auto picture = twice; picture != pictures.pictures.end();
+           ++picture) {
+        contents_.left_out.Add("the time is that of another picture", topic);
       }
-      pictures.pictures.erase(twice.begin(), twice.end());
+      pictures.pictures.erase(twice, pictures.pictures.end());
       contents_.pictures.push_back(std::move(pictures));
     }
     for (auto& [topic, poses] : poses_) {
