@@ -38,7 +38,7 @@ struct ConfidenceFit {
   // A lower threshold would give answers that are rather wrong than right; a
   // higher one would refuse too much of what is right, even where places are
   // alike.
-  double min_threshold = 0.6;
+  double min_threshold = 0.7;
   double max_threshold = 0.9;
 };
 

@@ -104,8 +104,10 @@ TEST(ConfidenceFitterTest, ManyTrialsOfOneSceneMoveThePriorByAFewAlone) {
     return sum;
   };
   EXPECT_LT(moved({}), 0.8 * moved(kAll));
-  EXPECT_LE(FitConfidence(trials, prior, {.max_threshold = 0.6}).threshold,
-            0.6);
+  EXPECT_LE(
+      FitConfidence(trials, prior, {.min_threshold = 0.5, .max_threshold = 0.6})
+          .threshold,
+      0.6);
 }
 
 TEST(ConfidenceFitterTest, WithoutTrialsThePriorHolds) {
