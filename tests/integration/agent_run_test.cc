@@ -254,7 +254,8 @@ TEST_F(AgentRunTest, ATypoInTheConfigurationIsNamed) {
 TEST_F(AgentRunTest, WithoutARobotItSaysWhichThereAre) {
   const ProgramResult result = RunProgram({TREELINE_AGENT, "run"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("--simulate WORLD or --hardware FILE"));
+  EXPECT_THAT(result.err,
+              HasSubstr("--simulate WORLD, --hardware FILE and --ros2 FILE"));
 }
 
 }  // namespace
