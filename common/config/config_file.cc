@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/yaml/first_document.h"
 
 namespace treeline::config {
 namespace {
@@ -127,13 +128,14 @@ absl::StatusOr<std::map<std::string, FileValue>> ParseConfigFile(
     return place.Error(1, "a zero byte: this is not a text");
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (documents.empty()) return std::map<std::string, FileValue>();
-    if (documents.size() > 1) {
-      return place.Error(documents[1].Mark(),
+    const yaml::FirstDocument document =
+        yaml::LoadFirstDocument(std::string(text));
+    if (!document.node) return std::map<std::string, FileValue>();
+    if (document.second) {
+      return place.Error(*document.second,
                          "a second document; there may be one only");
     }
-    return ReadMap(documents[0], place, settings);
+    return ReadMap(*document.node, place, settings);
   } catch (const YAML::Exception& error) {
     return place.Error(error.mark, absl::StrCat("not YAML: ", error.msg));
   } catch (const std::exception& error) {

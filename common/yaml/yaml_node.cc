@@ -14,6 +14,7 @@
 #include "common/base/file.h"
 #include "common/base/nearest_name.h"
 #include "common/base/status_macros.h"
+#include "common/yaml/first_document.h"
 
 namespace treeline::yaml {
 namespace {
@@ -68,15 +69,15 @@ absl::StatusOr<YamlNode> YamlNode::Parse(absl::string_view text,
     return ErrorAt(name, 1, "a zero byte: this is not a text");
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (documents.empty()) return ErrorAt(name, 1, "there is nothing in it");
-    if (documents.size() > 1) {
-      return ErrorAt(name, LineOf(documents[1].Mark()),
+    const FirstDocument document = LoadFirstDocument(std::string(text));
+    if (!document.node) return ErrorAt(name, 1, "there is nothing in it");
+    if (document.second) {
+      return ErrorAt(name, LineOf(*document.second),
                      "a second document; there may be one only");
     }
     return YamlNode(std::make_shared<const Impl>(
         Impl{.file = std::make_shared<const std::string>(name),
-             .node = documents[0],
+             .node = *document.node,
              .name = ""}));
   } catch (const YAML::Exception& error) {
     return ErrorAt(name, LineOf(error.mark),

@@ -88,7 +88,7 @@ TEST(YamlNode, RefusesWhatIsNoYaml) {
   EXPECT_EQ(error(""), "f:1: there is nothing in it");
   EXPECT_THAT(error("a: 1\nb: [2\n"), testing::StartsWith("f:3: not YAML: "));
   EXPECT_EQ(error("a: 1\n---\nb: 2\n"),
-            "f:3: a second document; there may be one only");
+            "f:2: a second document; there may be one only");
   EXPECT_EQ(error(absl::string_view("a\0b", 3)),
             "f:1: a zero byte: this is not a text");
   EXPECT_EQ(error(std::string(YamlNode::kMaxBytes + 1, 'a')),
