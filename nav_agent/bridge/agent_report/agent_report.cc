@@ -6,6 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/ros2/conversions/geometry_values.h"
+#include "nav_agent/bridge/place_finder/place_report.h"
+#include "nav_agent/service/api_json.h"
 
 namespace treeline::agent_report {
 namespace {
@@ -58,46 +60,16 @@ DiagnosticStatus LocalizationStatus(const behavior::NavigatorSnapshot& robot) {
     status.message = "nobody has said where the robot is";
     return status;
   }
-  status.message = localization::LostStateName(robot.verdict.state);
-  switch (robot.verdict.state) {
-    case localization::LostState::kLocalized:
-      status.level = DiagnosticStatus::kOk;
-      break;
-    case localization::LostState::kMapChangedHere:
-    case localization::LostState::kPeopleNearby:
-      status.level = DiagnosticStatus::kWarn;
-      break;
-    case localization::LostState::kLost:
-      status.level = DiagnosticStatus::kError;
-      break;
-  }
-  status.values = {
-      {"probability lost", absl::StrFormat("%.3f", robot.verdict.probability)},
-      {"reason", localization::LostReasonName(robot.verdict.reason)},
-      {"level", absl::StrCat(robot.pose->pose.place.level)}};
+  place_finder::TellVerdict(robot.verdict, status);
+  status.values.push_back(
+      {"level", absl::StrCat(robot.pose->pose.place.level)});
   return status;
-}
-
-const char* NameOf(behavior::GoalState state) {
-  switch (state) {
-    case behavior::GoalState::kAccepted:
-      return "accepted";
-    case behavior::GoalState::kActive:
-      return "active";
-    case behavior::GoalState::kSucceeded:
-      return "succeeded";
-    case behavior::GoalState::kFailed:
-      return "failed";
-    case behavior::GoalState::kCancelled:
-      return "cancelled";
-  }
-  return "unknown";
 }
 
 DiagnosticStatus GoalStatusOf(const behavior::GoalStatus& goal) {
   DiagnosticStatus status;
   status.name = "treeline: goal";
-  status.message = NameOf(goal.state);
+  status.message = agent_service::GoalStateName(goal.state);
   if (!goal.why.empty()) absl::StrAppend(&status.message, ": ", goal.why);
   status.level = goal.state == behavior::GoalState::kFailed
                      ? DiagnosticStatus::kError

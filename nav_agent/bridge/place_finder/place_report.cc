@@ -21,23 +21,7 @@ DiagnosticStatus LocalizationStatus(const PlaceFinder::State& state) {
                           : "nobody says where the robot is";
     return status;
   }
-  const localization::LostVerdict& verdict = *state.verdict;
-  status.message = localization::LostStateName(verdict.state);
-  switch (verdict.state) {
-    case localization::LostState::kLocalized:
-      status.level = DiagnosticStatus::kOk;
-      break;
-    case localization::LostState::kMapChangedHere:
-    case localization::LostState::kPeopleNearby:
-      status.level = DiagnosticStatus::kWarn;
-      break;
-    case localization::LostState::kLost:
-      status.level = DiagnosticStatus::kError;
-      break;
-  }
-  status.values = {
-      {"probability lost", absl::StrFormat("%.3f", verdict.probability)},
-      {"reason", localization::LostReasonName(verdict.reason)}};
+  TellVerdict(*state.verdict, status);
   return status;
 }
 
@@ -75,6 +59,26 @@ DiagnosticStatus RelocalizationStatus(const PlaceFinder::State& state) {
 }
 
 }  // namespace
+
+void TellVerdict(const localization::LostVerdict& verdict,
+                 DiagnosticStatus& status) {
+  status.message = localization::LostStateName(verdict.state);
+  switch (verdict.state) {
+    case localization::LostState::kLocalized:
+      status.level = DiagnosticStatus::kOk;
+      break;
+    case localization::LostState::kMapChangedHere:
+    case localization::LostState::kPeopleNearby:
+      status.level = DiagnosticStatus::kWarn;
+      break;
+    case localization::LostState::kLost:
+      status.level = DiagnosticStatus::kError;
+      break;
+  }
+  status.values = {
+      {"probability lost", absl::StrFormat("%.3f", verdict.probability)},
+      {"reason", localization::LostReasonName(verdict.reason)}};
+}
 
 messages::DiagnosticArray ReportOf(const PlaceFinder::State& state,
                                    const messages::Time& stamp) {

@@ -7,9 +7,14 @@
 
 namespace treeline::place_finder {
 
-// Two statuses: "treeline: localization" (OK, WARN: people or changes hide the
-// map, ERROR: lost, STALE: nothing to judge by) and "treeline: relocalization"
-// (ERROR: the server cannot be asked, or knows another place).
+// Level, message and values: OK, WARN (people or changes hide the map), ERROR
+// (lost).
+void TellVerdict(const localization::LostVerdict& verdict,
+                 messages::DiagnosticStatus& status);
+
+// Two statuses: "treeline: localization" (as TellVerdict; STALE: nothing to
+// judge by) and "treeline: relocalization" (ERROR: the server cannot be asked,
+// or knows another place).
 messages::DiagnosticArray ReportOf(const PlaceFinder::State& state,
                                    const messages::Time& stamp);
 
