@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "client/bench/call_context.h"
 #include "common/wire/status.h"
 
 namespace treeline::bench {
@@ -15,9 +16,9 @@ constexpr char kPushback[] = "grpc-retry-pushback-ms";
 
 // gRPC's callback and whoever cancels share it.
 struct Call : Transport::PendingCall {
-  void Cancel() override { context.TryCancel(); }
+  void Cancel() override { context.Cancel(); }
 
-  grpc::ClientContext context;
+  CallContext context;
   grpc::ByteBuffer response;
 };
 
@@ -25,14 +26,15 @@ void Finish(Call& call, const grpc::Status& status,
             const Transport::Done& done) {
   v1::LocalizeResponse response;
   Reply reply{.status = wire::FromGrpc(status),
-              .pushback = call.context.GetServerTrailingMetadata().count(
-                              kPushback) > 0};
+              .pushback = call.context->GetServerTrailingMetadata().contains(
+                  kPushback)};
   if (status.ok()) {
     reply.status = wire::FromGrpc(
         grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
             &call.response, &response));
     if (reply.status.ok()) reply.response = &response;
   }
+  call.context.Release();
   done(reply);
 }
 
@@ -52,13 +54,14 @@ class GrpcTransport final : public Transport {
                                    Done done) override {
     auto call = std::make_shared<Call>();
     const size_t connection = number % connections_.size();
-    connections_[connection].Prepare(call->context);
-    call->context.set_deadline(
+    connections_[connection].Prepare(*call->context);
+    call->context->set_deadline(
         std::chrono::system_clock::now() +
         std::chrono::duration_cast<std::chrono::system_clock::duration>(
             timeout));
     stubs_[connection]->UnaryCall(
-        &call->context, kMethod, {}, &items_[item].request, &call->response,
+        call->context.get(), kMethod, {}, &items_[item].request,
+        &call->response,
         [call, done = std::move(done)](const grpc::Status& status) {
           Finish(*call, status, done);
         });

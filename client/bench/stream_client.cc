@@ -44,8 +44,8 @@ StreamClient::StreamClient(const relocalizer::Connection& connection,
     : items_(items),
       window_(static_cast<size_t>(window)),
       host_(std::move(host)) {
-  connection.Prepare(context_);
-  stub.PrepareBidiStreamingCall(&context_, kMethod, {}, this);
+  connection.Prepare(*context_);
+  stub.PrepareBidiStreamingCall(context_.get(), kMethod, {}, this);
 }
 
 void StreamClient::Start() {
@@ -137,6 +137,7 @@ void StreamClient::OnDone(const grpc::Status& status) {
         ended.ok() ? absl::InternalError("the stream ended without it") : ended,
         nullptr);
   }
+  context_.Release();
   host_.end(this, ended);
   delete this;
 }

@@ -2,7 +2,6 @@
 #ifndef CLIENT_BENCH_STREAM_CLIENT_H_
 #define CLIENT_BENCH_STREAM_CLIENT_H_
 
-#include <grpcpp/client_context.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/client_callback.h>
@@ -16,6 +15,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "client/bench/call_context.h"
 #include "client/bench/workload.h"
 #include "client/relocalizer/channel.h"
 #include "common/base/clock.h"
@@ -36,7 +36,7 @@ class StreamClient final
   };
   // All are called on gRPC's threads. `end` is the last call, and is given the
   // client that is about to be deleted; the frames without answers went to
-  // `answer` before.
+  // `answer` before. By then the client holds nothing of the connection.
   struct Host {
     // The next query; nullopt: no more.
     std::function<std::optional<size_t>()> next;
@@ -52,7 +52,7 @@ class StreamClient final
                int window, Host host);
 
   void Start();
-  void Cancel() { context_.TryCancel(); }
+  void Cancel() { context_.Cancel(); }
 
  private:
   void SendIfThereIsRoom();
@@ -64,7 +64,7 @@ class StreamClient final
   const std::vector<WorkItem>& items_;
   const size_t window_;
   const Host host_;
-  grpc::ClientContext context_;
+  CallContext context_;
   grpc::ByteBuffer in_;
   grpc::ByteBuffer out_;
 
