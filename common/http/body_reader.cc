@@ -42,7 +42,7 @@ int BodyReader::Read(const RequestHead& head, std::string& body) {
   // Also what an earlier body has left of capacity.
   std::string().swap(body);
   body_ = &body;
-  most_bytes_ = options_.max_bytes;
+  max_bytes_ = options_.max_bytes;
   is_size_known_ = false;
   std::optional<Inflater> inflater;
   const auto encoding = head.headers.find("content-encoding");
@@ -51,7 +51,7 @@ int BodyReader::Read(const RequestHead& head, std::string& body) {
     inflater.emplace(options_.inflation);
     inflater_ = &*inflater;
   } else if (head.content_length.has_value()) {
-    most_bytes_ = std::min<uint64_t>(most_bytes_, *head.content_length);
+    max_bytes_ = std::min<uint64_t>(max_bytes_, *head.content_length);
     is_size_known_ = true;
   }
   const int status = head.is_chunked
@@ -142,16 +142,15 @@ int BodyReader::Take(absl::string_view bytes) {
 }
 
 int BodyReader::Keep(absl::string_view bytes) {
-  if (bytes.size() > most_bytes_ - body_->size()) return kTooLarge;
+  if (bytes.size() > max_bytes_ - body_->size()) return kTooLarge;
   const size_t size = body_->size() + bytes.size();
   if (is_size_known_) {
     // Room for all of it costs nothing until it is written to.
     if (size > lease_.bytes() &&
-        !lease_.Resize(std::min(most_bytes_, size + kStep),
-                       options_.patience)) {
+        !lease_.Resize(std::min(max_bytes_, size + kStep), options_.patience)) {
       return kUnavailable;
     }
-    if (body_->capacity() < most_bytes_) body_->reserve(most_bytes_);
+    if (body_->capacity() < max_bytes_) body_->reserve(max_bytes_);
   } else if (size > body_->capacity()) {
     // A string that is to hold more at least doubles.
     const size_t capacity = std::max({kStep, 2 * body_->capacity(), size});

@@ -53,7 +53,7 @@ class BodyReader {
   Inflater* inflater_ = nullptr;
   uint64_t raw_bytes_ = 0;
   // What the body may come to.
-  size_t most_bytes_ = 0;
+  size_t max_bytes_ = 0;
   bool is_size_known_ = false;
 };
 

@@ -8,7 +8,7 @@ namespace {
 
 // Sine of 20 degrees, the least angle between gravity and the optical axis: a
 // picture of the floor or the ceiling has no side that is up.
-constexpr double kLeastInImage = 0.342;
+constexpr double kMinInImage = 0.342;
 // Tangent of 30 degrees, the largest roll from the nearest quarter turn: in
 // between, a picture lies as much on its side as on its bottom.
 constexpr double kLargestSlope = 0.577;
@@ -18,7 +18,7 @@ constexpr double kLargestSlope = 0.577;
 std::optional<Orientation> OrientationFromGravity(
     geometry::Vec3 gravity_in_camera) {
   const geometry::Vec3 down = geometry::Normalized(gravity_in_camera);
-  if (std::hypot(down.x, down.y) < kLeastInImage) return std::nullopt;
+  if (std::hypot(down.x, down.y) < kMinInImage) return std::nullopt;
   const double across = std::abs(down.x);
   const double along = std::abs(down.y);
   Orientation orientation;

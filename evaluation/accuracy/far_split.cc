@@ -92,7 +92,7 @@ class HoleCutter {
           hole, [&](int test) { return Gap(test, frame) <= 1; });
       if (near) UseOf(frame) = Use::kTooNear;
     }
-    if (Count(Use::kTraining) < ShareOfFrames(options_.least_training)) {
+    if (Count(Use::kTraining) < ShareOfFrames(options_.min_training)) {
       uses_ = before;
     }
   }

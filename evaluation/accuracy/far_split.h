@@ -37,9 +37,9 @@ struct HoleOptions {
   // (The braces let designated initialisers leave it out without a warning.)
   ViewLimits near{};
   // Holes are made until so many of the frames with a pose are for testing, or
-  // no other hole leaves `least_training` of them for training. In (0, 1).
+  // no other hole leaves `min_training` of them for training. In (0, 1).
   double test_share = 0.2;
-  double least_training = 0.4;
+  double min_training = 0.4;
   uint64_t seed = 0;
 };
 

@@ -88,7 +88,7 @@ Differences OfDepth(const image::DepthImage& a, const image::DepthImage& b) {
 // the walls that are seen at a slant.
 void ExpectConsistent(const PerturbedFrame& view,
                       const geometry::Rigid3& world_from_sensor,
-                      double most_outside = 0) {
+                      double max_outside = 0) {
   const geometry::Rigid3 world_from_turned =
       world_from_sensor * view.turned_from_sensor.Inverse();
   const image::Frame rendered =
@@ -97,12 +97,12 @@ void ExpectConsistent(const PerturbedFrame& view,
   EXPECT_LE(color.Quantile(0.5), 2);
   EXPECT_LE(color.Quantile(0.99), 12);
   EXPECT_LE(color.outside,
-            most_outside * rendered.color.width * rendered.color.height);
+            max_outside * rendered.color.width * rendered.color.height);
   Differences depth = OfDepth(*view.frame.depth, *rendered.depth);
   EXPECT_LE(depth.Quantile(0.5), 12);
   EXPECT_LE(depth.Quantile(0.99), 60);
   EXPECT_LE(depth.outside,
-            most_outside * rendered.depth->width * rendered.depth->height);
+            max_outside * rendered.depth->width * rendered.depth->height);
 }
 
 TEST_F(PerturbationEffects, ThatMovePixelsMoveCamerasAndPoseWithThem) {
@@ -110,7 +110,7 @@ TEST_F(PerturbationEffects, ThatMovePixelsMoveCamerasAndPoseWithThem) {
     const char* name;
     absl::Status (*effect)(double, base::Random&, PerturbedFrame&);
     double strength;
-    double most_outside;
+    double max_outside;
   };
   for (const Case& c : {Case{"rotate", Rotate, 90, 0},
                         {"", Rotate, 180, 0},
@@ -127,7 +127,7 @@ TEST_F(PerturbationEffects, ThatMovePixelsMoveCamerasAndPoseWithThem) {
     PerturbedFrame view = View();
     base::Random draws = random();
     ASSERT_TRUE(c.effect(c.strength, draws, view).ok());
-    ExpectConsistent(view, pose_, c.most_outside);
+    ExpectConsistent(view, pose_, c.max_outside);
     EXPECT_NE(*view.frame.calibration, calibration_);
   }
 }

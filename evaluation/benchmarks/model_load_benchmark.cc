@@ -67,7 +67,7 @@ void TimeLoads(benchmark::State& state, bool is_cold, const Load& load) {
     state.counters["MB"] = static_cast<double>(bytes) / 1e6;
   }
   // The mean suffers from whatever else the machine does.
-  state.counters["least_ms"] = min_ms;
+  state.counters["min_ms"] = min_ms;
 }
 
 // What the storage, or the page cache, can do at best.

@@ -119,25 +119,25 @@ FixJudgement JudgeByScan(const core::RelocalizationAnswer& answer,
 
 absl::Status FixGateOptions::Validate() const {
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_confidence", min_confidence, 0, 1));
+      base::CheckRange("gate: min_confidence", min_confidence, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_confidence", sure_confidence,
                                       min_confidence, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: most_tilt_rad", max_tilt_rad, 0, 1));
+      base::CheckRange("gate: max_tilt_rad", max_tilt_rad, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: most_height_m", max_height_error_m, 0, 2));
+      base::CheckRange("gate: max_height_error_m", max_height_error_m, 0, 2));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_clearance_m", min_clearance_m, 0, 2));
+      base::CheckRange("gate: min_clearance_m", min_clearance_m, 0, 2));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_explained", min_explained, 0, 1));
+      base::CheckRange("gate: min_explained", min_explained, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: most_contradicted", max_contradicted, 0, 1));
+      base::CheckRange("gate: max_contradicted", max_contradicted, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_explained", sure_explained,
                                       min_explained, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_contradicted",
                                       sure_contradicted, 0, max_contradicted));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_judged", min_judged_beams, 0, 10000));
+      base::CheckRange("gate: min_judged_beams", min_judged_beams, 0, 10000));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: search_m", search_m, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: search_rad", search_rad, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: pair_m", pair_m, 0, 2));

@@ -66,9 +66,9 @@ absl::Status RelocalizationBehaviorOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: max_failures", max_failures, 1, 1000));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_server_s", max_server_s, 0, 3600));
+      base::CheckRange("lost: max_server_s", max_server_s, 0, 3600));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_search_s", max_search_s, 0, 3600));
+      base::CheckRange("lost: max_search_s", max_search_s, 0, 3600));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: settle_s", settle_s, 0, 10));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: turn_radps", turn_radps, 0.05, 3));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: move_mps", move_mps, 0.01, 1));
@@ -77,7 +77,7 @@ absl::Status RelocalizationBehaviorOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: confirm_turn_rad", confirm_turn_rad, 0, 7));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_confirm_s", max_confirm_s, 1, 60));
+      base::CheckRange("lost: max_confirm_s", max_confirm_s, 1, 60));
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: confirm_explained", confirm_explained, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: confirm_contradicted",

@@ -60,9 +60,9 @@ absl::Status LostFilterOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: independent_s", independent_s, 0.01, 60));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_for", max_log_odds_for, 0.1, 100));
-  TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_against", max_log_odds_against, 0.1, 100));
+      base::CheckRange("lost: max_log_odds_for", max_log_odds_for, 0.1, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: max_log_odds_against",
+                                      max_log_odds_against, 0.1, 100));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: slope_part", slope_part, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: loss_hz", loss_hz, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: jump_from", jump_from, 0, 1));
@@ -72,9 +72,9 @@ absl::Status LostFilterOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: lifted_chance", lifted_chance, 0, 0.999));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_sure_lost", max_log_odds_lost, 0.1, 100));
-  return base::CheckRange("lost: most_sure_not", max_log_odds_not_lost, 0.1,
-                          100);
+      base::CheckRange("lost: max_log_odds_lost", max_log_odds_lost, 0.1, 100));
+  return base::CheckRange("lost: max_log_odds_not_lost", max_log_odds_not_lost,
+                          0.1, 100);
 }
 
 LostFilter::LostFilter(const LostFilterOptions& options)

@@ -12,7 +12,7 @@ namespace {
 constexpr double kCells_m = 2 * kCell_m;
 
 TEST(BodyShape, RoomIsThatBesideTheBodyAsItStands) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({-2, 0.4}, {2, 0.4}, map);
   const ClearanceWindow clearance(map, {-3, -3}, {3, 3});
   const BodyShape body(SmallRobot(), 0);
@@ -25,7 +25,7 @@ TEST(BodyShape, RoomIsThatBesideTheBodyAsItStands) {
 }
 
 TEST(BodyShape, ACornerTouchesWhereTheSideDoesNot) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({-2, 0.29}, {2, 0.29}, map);
   AddWall({-2, -0.29}, {2, -0.29}, map);
   const ClearanceWindow clearance(map, {-3, -3}, {3, 3});
@@ -36,7 +36,7 @@ TEST(BodyShape, ACornerTouchesWhereTheSideDoesNot) {
 }
 
 TEST(BodyShape, AMarginIsTakenOffTheRoom) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({-2, 0.4}, {2, 0.4}, map);
   const ClearanceWindow clearance(map, {-3, -3}, {3, 3});
   const BodyShape body(SmallRobot(), 0.1);

@@ -7,7 +7,7 @@
 
 namespace treeline::mapless {
 
-ClearanceWindow::ClearanceWindow(const LiveMap& map, geometry::Vec2 low,
+ClearanceWindow::ClearanceWindow(const EvidenceGrid& map, geometry::Vec2 low,
                                  geometry::Vec2 high)
     : cell_m_(map.cell_m()), per_m_(1 / map.cell_m()) {
   const core::CellIndex first = map.CellOf(low);

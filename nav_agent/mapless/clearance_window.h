@@ -1,10 +1,10 @@
-// How far it is to the nearest thing, in a part of the live map.
+// How far it is to the nearest thing, in a part of the evidence grid.
 #ifndef NAV_AGENT_MAPLESS_CLEARANCE_WINDOW_H_
 #define NAV_AGENT_MAPLESS_CLEARANCE_WINDOW_H_
 
 #include <vector>
 
-#include "nav_agent/mapless/live_map.h"
+#include "nav_agent/mapless/evidence_grid.h"
 
 namespace treeline::mapless {
 
@@ -13,7 +13,8 @@ class ClearanceWindow {
  public:
   ClearanceWindow() = default;
   // The cells of `map` from low to high, which may reach beyond it.
-  ClearanceWindow(const LiveMap& map, geometry::Vec2 low, geometry::Vec2 high);
+  ClearanceWindow(const EvidenceGrid& map, geometry::Vec2 low,
+                  geometry::Vec2 high);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }

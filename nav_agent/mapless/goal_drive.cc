@@ -102,7 +102,7 @@ bool GoalDrive::Arrives(const RobotMotion& motion, base::MonotonicTime now) {
          options_.goal_tolerance_m + (has_way_ ? way_.moved_goal_m() : 0.0);
 }
 
-void GoalDrive::Plan(const RobotMotion& motion, LiveMap& map,
+void GoalDrive::Plan(const RobotMotion& motion, EvidenceGrid& map,
                      base::MonotonicTime now) {
   if (planned_.has_value() &&
       base::SecondsBetween(*planned_, now) < kReplan_s) {
@@ -174,7 +174,8 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
 
 core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
                                       const core::VelocityCommand& command,
-                                      LiveMap& map, base::MonotonicTime now) {
+                                      EvidenceGrid& map,
+                                      base::MonotonicTime now) {
   if (!is_active_) return {};
   const geometry::Vec2 position = pose.map_from_base.translation;
   if (last_position_.has_value()) {

@@ -31,8 +31,8 @@ class GoalDrive {
   // What to do now; command: what the base was told last. The map forgets all
   // when nothing leads to the goal any more.
   core::VelocityCommand Step(const ReckonedPose& pose,
-                             const core::VelocityCommand& command, LiveMap& map,
-                             base::MonotonicTime now);
+                             const core::VelocityCommand& command,
+                             EvidenceGrid& map, base::MonotonicTime now);
 
   bool is_active() const { return is_active_; }
   bool is_backing_off() const { return back_off_until_.has_value(); }
@@ -45,7 +45,8 @@ class GoalDrive {
     return goal_.poses[status_->next_pose].map_from_base;
   }
   bool Arrives(const RobotMotion& motion, base::MonotonicTime now);
-  void Plan(const RobotMotion& motion, LiveMap& map, base::MonotonicTime now);
+  void Plan(const RobotMotion& motion, EvidenceGrid& map,
+            base::MonotonicTime now);
   core::VelocityCommand Drive(const RobotMotion& motion,
                               const ClearanceWindow& clearance,
                               base::MonotonicTime now);

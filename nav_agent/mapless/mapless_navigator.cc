@@ -84,7 +84,7 @@ class MaplessNavigator final : public behavior::Navigator {
   behavior::DeadlineMonitor deadline_;
   behavior::SafeStop safe_stop_;
   DeadReckoning reckoning_;
-  LiveMap map_;
+  EvidenceGrid map_;
   GoalDrive drive_;
 
   base::MonotonicTime now_;
@@ -96,7 +96,7 @@ class MaplessNavigator final : public behavior::Navigator {
   bool is_paused_ = false;
   bool is_halted_ = false;
   // Of the newest scan, for those who watch.
-  std::vector<LiveBeam> shown_beams_;
+  std::vector<GridBeam> shown_beams_;
 };
 
 void MaplessNavigator::MarkKnown() {
@@ -138,7 +138,7 @@ void MaplessNavigator::FeedScans() {
                            const core::RangeSensor& laser,
                            core::LaserMount mount) {
     for (const core::LaserScan& scan : scans) {
-      std::vector<LiveBeam> beams = BeamsOf(
+      std::vector<GridBeam> beams = BeamsOf(
           scan, laser.Info(), robot_.BaseFrom(mount), reckoning_, max_range_m_);
       map_.AddScan(beams);
       if (!beams.empty()) shown_beams_ = std::move(beams);

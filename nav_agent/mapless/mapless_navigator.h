@@ -40,7 +40,7 @@ struct MaplessOptions {
 
 // The map's frame is that of the base where it began, or what SetPose says;
 // poses are the odometry's, and never jump: there is nothing to be lost in. All
-// that the lasers see enters a live map (LiveMap), ways are planned on it
+// that the lasers see enters an EvidenceGrid, ways are planned on it
 // (WayField), several times a second and kept unless another is clearly better,
 // and followed by trying commands out (RolloutController). For level ground.
 // camera and server of the devices are not used. Errors as Navigator::Create.

@@ -152,11 +152,11 @@ TEST_F(MaplessNavigatorTest, WhatAMapKnowsIsThereBeforeItIsSeen) {
   Step(5);
   const behavior::NavigatorSnapshot snapshot = navigator_->Snapshot();
   ASSERT_FALSE(snapshot.path.empty());
-  double most_m = 0;
+  double max_m = 0;
   for (const core::LevelPose& pose : snapshot.path) {
-    most_m = std::max(most_m, std::abs(pose.map_from_base.translation.y));
+    max_m = std::max(max_m, std::abs(pose.map_from_base.translation.y));
   }
-  EXPECT_GT(most_m, 2);
+  EXPECT_GT(max_m, 2);
 }
 
 TEST_F(MaplessNavigatorTest, StandsWhileTheLaserIsSilent) {

@@ -8,10 +8,10 @@
 
 namespace treeline::mapless {
 
-// ---- The live map ----
+// ---- The evidence grid ----
 
 inline constexpr base::Parameter<double> kCell_m{
-    "live_map_cell", 0.04, "m", base::ParameterOrigin::kTuned,
+    "evidence_cell", 0.04, "m", base::ParameterOrigin::kTuned,
     "finer costs time, coarser closes narrow ways; on fields 1 to 40"};
 inline constexpr base::Parameter<int> kHitEvidence{
     "hit_evidence", 4, "", base::ParameterOrigin::kTuned,

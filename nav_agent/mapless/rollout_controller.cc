@@ -59,7 +59,7 @@ std::optional<RolloutController::Outcome> RolloutController::TryOut(
   // A body that stands too near already may move to where there is more room.
   const double begin_m =
       std::min(0.0, body_.RoomAt_m(clearance, at.map_from_base, kWantedRoom_m));
-  Outcome outcome = {.end = {}, .least_room_m = kWantedRoom_m, .haste_m = 0};
+  Outcome outcome = {.end = {}, .min_room_m = kWantedRoom_m, .haste_m = 0};
   for (double time_s = 0; time_s < kHorizon_s; time_s += kStep_s) {
     Advance(at, choice.first.forward_mps,
             time_s < kFirstPart_s ? choice.first.yaw_rate_radps
@@ -68,7 +68,7 @@ std::optional<RolloutController::Outcome> RolloutController::TryOut(
     const double room_m =
         body_.RoomAt_m(clearance, at.map_from_base, kWantedRoom_m);
     if (room_m < begin_m) return std::nullopt;
-    outcome.least_room_m = std::min(outcome.least_room_m, room_m);
+    outcome.min_room_m = std::min(outcome.min_room_m, room_m);
     const double allowed_mps =
         kSlowest_mps + kSpeedOfRoom_ps * std::max(0.0, room_m);
     outcome.haste_m +=

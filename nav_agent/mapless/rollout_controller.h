@@ -58,7 +58,7 @@ class RolloutController {
   };
   struct Outcome {
     geometry::Rigid2 end;
-    double least_room_m = 0;
+    double min_room_m = 0;
     // Of speed beyond what room allows, summed over time (m).
     double haste_m = 0;
   };

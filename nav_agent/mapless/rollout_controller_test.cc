@@ -16,14 +16,14 @@ class Drive {
   explicit Drive(geometry::Vec2 goal) : goal_(goal) {}
 
   // Until it is near the goal, or time is over. The least room it had.
-  double Until_s(double end_s, const LiveMap& map) {
-    double least_m = 1;
+  double Until_s(double end_s, const EvidenceGrid& map) {
+    double min_m = 1;
     for (double now_s = 0; now_s < end_s; now_s += 0.025) {
       const geometry::Vec2 at = motion_.map_from_base.translation;
       const ClearanceWindow clearance(map, at - geometry::Vec2{4, 4},
                                       at + geometry::Vec2{4, 4});
-      least_m = std::min(least_m,
-                         body_.RoomAt_m(clearance, motion_.map_from_base, 1));
+      min_m =
+          std::min(min_m, body_.RoomAt_m(clearance, motion_.map_from_base, 1));
       if (geometry::Norm(at - goal_) < 0.15) {
         took_s_ = now_s;
         break;
@@ -43,7 +43,7 @@ class Drive {
           MovedOn(motion_.map_from_base, motion_.forward_mps,
                   motion_.yaw_rate_radps, 0.025);
     }
-    return least_m;
+    return min_m;
   }
 
   std::optional<double> took_s() const { return took_s_; }
@@ -61,7 +61,7 @@ class Drive {
 };
 
 TEST(RolloutController, DrivesStraightWhereNothingIs) {
-  LiveMap map;
+  EvidenceGrid map;
   Drive drive({4, 0});
   drive.Until_s(10, map);
   ASSERT_TRUE(drive.took_s().has_value());
@@ -70,14 +70,14 @@ TEST(RolloutController, DrivesStraightWhereNothingIs) {
 }
 
 TEST(RolloutController, TurnsFirstIfTheGoalIsBehind) {
-  LiveMap map;
+  EvidenceGrid map;
   Drive drive({-3, 0});
   drive.Until_s(12, map);
   EXPECT_TRUE(drive.took_s().has_value());
 }
 
 TEST(RolloutController, GetsThroughAGapWithoutATouch) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({2, -3}, {2, 0.6}, map);
   AddWall({2, 1.3}, {2, 4}, map);
   Drive drive({4, 0});
@@ -87,7 +87,7 @@ TEST(RolloutController, GetsThroughAGapWithoutATouch) {
 }
 
 TEST(RolloutController, StandsBeforeAWallThatAppears) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({1.2, -3}, {1.2, 3}, map);
   AddWall({-3, -3}, {1.2, -3}, map);
   AddWall({-3, 3}, {1.2, 3}, map);
@@ -99,7 +99,7 @@ TEST(RolloutController, StandsBeforeAWallThatAppears) {
 }
 
 TEST(RolloutController, BacksOffFromADeadEnd) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({0.35, -0.3}, {0.35, 0.3}, map);
   AddWall({-0.6, 0.3}, {0.35, 0.3}, map);
   AddWall({-0.6, -0.3}, {0.35, -0.3}, map);
@@ -110,7 +110,7 @@ TEST(RolloutController, BacksOffFromADeadEnd) {
 }
 
 TEST(RolloutController, TurnsOnlyWhereThereIsRoom) {
-  LiveMap map;
+  EvidenceGrid map;
   const BodyShape body(SmallRobot(), 0.01);
   const RolloutController rollouts(SmallRobot(), body, {1.5, 2});
   const ClearanceWindow free(map, {-4, -4}, {4, 4});

@@ -9,7 +9,7 @@
 
 namespace treeline::mapless {
 
-std::vector<LiveBeam> BeamsOf(const core::LaserScan& scan,
+std::vector<GridBeam> BeamsOf(const core::LaserScan& scan,
                               const core::RangeSensorInfo& laser,
                               const geometry::Rigid3& base_from_laser,
                               const DeadReckoning& reckoning,
@@ -25,7 +25,7 @@ std::vector<LiveBeam> BeamsOf(const core::LaserScan& scan,
   const geometry::Vec2 way = to->translation - from->translation;
   const double turn_rad =
       geometry::NormalizedAngle_rad(to->yaw_rad - from->yaw_rad);
-  std::vector<LiveBeam> beams;
+  std::vector<GridBeam> beams;
   beams.reserve(scan.ranges_m.size());
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range_m = static_cast<double>(scan.ranges_m[i]);

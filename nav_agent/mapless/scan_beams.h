@@ -7,13 +7,13 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/mapless/dead_reckoning.h"
-#include "nav_agent/mapless/live_map.h"
+#include "nav_agent/mapless/evidence_grid.h"
 
 namespace treeline::mapless {
 
 // Those with a range, up to max_range_m: a beam that goes further ends there
 // and is left out. Empty where the robot's pose of then is not known.
-std::vector<LiveBeam> BeamsOf(const core::LaserScan& scan,
+std::vector<GridBeam> BeamsOf(const core::LaserScan& scan,
                               const core::RangeSensorInfo& laser,
                               const geometry::Rigid3& base_from_laser,
                               const DeadReckoning& reckoning,

@@ -3,12 +3,12 @@
 #define NAV_AGENT_MAPLESS_TESTING_CLUTTER_H_
 
 #include "nav_agent/core/robot_model.h"
-#include "nav_agent/mapless/live_map.h"
+#include "nav_agent/mapless/evidence_grid.h"
 
 namespace treeline::mapless {
 
 // Everything along a line stands in the way.
-inline void AddWall(geometry::Vec2 from, geometry::Vec2 to, LiveMap& map) {
+inline void AddWall(geometry::Vec2 from, geometry::Vec2 to, EvidenceGrid& map) {
   const double length_m = geometry::Norm(to - from);
   for (double at_m = 0; at_m <= length_m; at_m += map.cell_m() / 2) {
     map.Mark(from + (at_m / length_m) * (to - from));

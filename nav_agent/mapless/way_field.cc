@@ -172,7 +172,7 @@ void WayField::NoteChange(const std::vector<geometry::Vec2>& before) {
   }
 }
 
-bool WayField::Update(const LiveMap& map, geometry::Vec2 robot,
+bool WayField::Update(const EvidenceGrid& map, geometry::Vec2 robot,
                       geometry::Vec2 goal) {
   const geometry::Vec2 seen_low = map.seen_low();
   const geometry::Vec2 seen_high = map.seen_high();

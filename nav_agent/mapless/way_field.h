@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "nav_agent/mapless/body_shape.h"
-#include "nav_agent/mapless/live_map.h"
+#include "nav_agent/mapless/evidence_grid.h"
 
 namespace treeline::mapless {
 
@@ -25,7 +25,8 @@ class WayField {
   // The present way is forgotten: a new goal.
   void Restart();
   // Plans anew. False: there is no way through what is known.
-  bool Update(const LiveMap& map, geometry::Vec2 robot, geometry::Vec2 goal);
+  bool Update(const EvidenceGrid& map, geometry::Vec2 robot,
+              geometry::Vec2 goal);
 
   // What is to go from here, in metres of free ground; kNoWay where the body
   // cannot be, or where nothing was planned.

@@ -23,7 +23,7 @@ double SideAt3(const WayField& way) {
 }
 
 TEST(WayField, WhatWasNeverSeenIsFree) {
-  LiveMap map;
+  EvidenceGrid map;
   WayField way = Field();
   ASSERT_TRUE(way.Update(map, kRobot, kGoal));
   EXPECT_NEAR(way.length_m(), 6, 0.1);
@@ -32,7 +32,7 @@ TEST(WayField, WhatWasNeverSeenIsFree) {
 }
 
 TEST(WayField, LeadsAroundWhatStandsInTheWay) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({3, -1}, {3, 2}, map);
   WayField way = Field();
   ASSERT_TRUE(way.Update(map, kRobot, kGoal));
@@ -44,7 +44,7 @@ TEST(WayField, LeadsAroundWhatStandsInTheWay) {
 }
 
 TEST(WayField, AGapThatTheBodyDoesNotFitThroughIsNone) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({3, -3}, {3, -0.2}, map);
   AddWall({3, 0.2}, {3, 3}, map);
   WayField way = Field();
@@ -53,7 +53,7 @@ TEST(WayField, AGapThatTheBodyDoesNotFitThroughIsNone) {
 }
 
 TEST(WayField, KeepsTheWayItHasUnlessAnotherIsClearlyBetter) {
-  LiveMap map;
+  EvidenceGrid map;
   // Both ends are about as near.
   AddWall({3, -1}, {3, 1.05}, map);
   WayField way = Field();
@@ -75,7 +75,7 @@ TEST(WayField, KeepsTheWayItHasUnlessAnotherIsClearlyBetter) {
 }
 
 TEST(WayField, SaysWhereThereIsNoWay) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({-1, -1}, {1, -1}, map);
   AddWall({1, -1}, {1, 1}, map);
   AddWall({1, 1}, {-1, 1}, map);
@@ -86,7 +86,7 @@ TEST(WayField, SaysWhereThereIsNoWay) {
 }
 
 TEST(WayField, AGoalWithoutRoomIsMovedToWhereThereIs) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({5.8, -0.5}, {5.8, 0.5}, map);
   WayField way = Field();
   ASSERT_TRUE(way.Update(map, kRobot, {5.8, 0}));
@@ -95,7 +95,7 @@ TEST(WayField, AGoalWithoutRoomIsMovedToWhereThereIs) {
 }
 
 TEST(WayField, ARobotThatStandsTooNearIsLedOut) {
-  LiveMap map;
+  EvidenceGrid map;
   AddWall({-0.5, 0.19}, {0.5, 0.19}, map);
   WayField way = Field();
   EXPECT_TRUE(way.Update(map, kRobot, kGoal));

@@ -14,13 +14,13 @@ namespace treeline::rgbd_slam {
 namespace {
 
 // Between two frames of a trajectory.
-constexpr dataset::Time_ns kLeastGap_ns = 333'333;
+constexpr dataset::Time_ns kMinGap_ns = 333'333;
 
 std::vector<dataset::Time_ns> AscendingFrameTimes(
     const dataset::Dataset& dataset) {
   std::vector<dataset::Time_ns> times = dataset::FrameTimes(dataset);
   for (size_t i = 1; i < times.size(); ++i) {
-    times[i] = std::max(times[i], times[i - 1] + kLeastGap_ns);
+    times[i] = std::max(times[i], times[i - 1] + kMinGap_ns);
   }
   return times;
 }

@@ -23,7 +23,7 @@ constexpr double kMissing = 0.3;
 constexpr double kFarthest_m = 1.0;
 // Nobody would see less.
 constexpr double kNearest_m = 0.15;
-constexpr double kMostTurn_rad = std::numbers::pi / 3;
+constexpr double kMaxTurn_rad = std::numbers::pi / 3;
 constexpr int kTries = 60;
 // From a piece to what stands beside it.
 constexpr float kGap_m = 0.03f;
@@ -189,7 +189,7 @@ class Rearranger {
               middle + Float3{static_cast<float>(away_m * std::cos(way)),
                               static_cast<float>(away_m * std::sin(way)), 0},
               static_cast<float>(
-                  random.NextUniform(-kMostTurn_rad, kMostTurn_rad))}};
+                  random.NextUniform(-kMaxTurn_rad, kMaxTurn_rad))}};
       Box there;
       for (const Surface& surface : SurfacesOf(piece)) {
         for (const Float3& corner : surface.corners) {

@@ -14,7 +14,7 @@
 namespace {
 
 // Of a field that is as small as can be, with what arrays grow beyond it.
-constexpr size_t kMostBytesOfField = 512;
+constexpr size_t kMaxBytesOfField = 512;
 constexpr int kMaxFields = 1000;
 
 template <typename Message>
@@ -30,7 +30,7 @@ void TryAs(const std::string& bytes) {
   Message message;
   if (!treeline::wire::ParseMessage(bytes, message).ok()) return;
   if (message.SpaceUsedLong() >
-      4 * bytes.size() + kMostBytesOfField * (kMaxFields + 1)) {
+      4 * bytes.size() + kMaxBytesOfField * (kMaxFields + 1)) {
     std::abort();
   }
 }

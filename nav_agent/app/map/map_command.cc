@@ -14,9 +14,9 @@
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
+#include "nav_agent/app/map/live_drive.h"
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
-#include "nav_agent/app/map/map_live.h"
 #include "nav_agent/ros_log/convert_log.h"
 
 namespace treeline::map_app {

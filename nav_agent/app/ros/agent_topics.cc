@@ -24,16 +24,16 @@ constexpr auto kReportInterval = std::chrono::seconds(1);
 constexpr double kStartStd_m = 0.25;
 constexpr double kStartStd_rad = 0.2;
 // More is no place at all, less nobody can click.
-constexpr double kLeastStd = 0.02;
-constexpr double kMostStd_m = 5;
-constexpr double kMostStd_rad = 3;
+constexpr double kMinStd = 0.02;
+constexpr double kMaxStd_m = 5;
+constexpr double kMaxStd_rad = 3;
 
 constexpr dds::Quality kFrames = {
     .is_reliable = true, .is_latched = false, .depth = 100};
 
 double StdOf(double variance, double if_none, double most) {
   if (!(variance > 0) || !std::isfinite(variance)) return if_none;
-  return std::clamp(std::sqrt(variance), kLeastStd, most);
+  return std::clamp(std::sqrt(variance), kMinStd, most);
 }
 
 }  // namespace
@@ -133,8 +133,8 @@ absl::Status AgentTopics::TakePlace(
   const auto& covariance = place.pose.covariance;
   return commands_.SetPose(
       pose,
-      StdOf(std::max(covariance[0], covariance[7]), kStartStd_m, kMostStd_m),
-      StdOf(covariance[35], kStartStd_rad, kMostStd_rad));
+      StdOf(std::max(covariance[0], covariance[7]), kStartStd_m, kMaxStd_m),
+      StdOf(covariance[35], kStartStd_rad, kMaxStd_rad));
 }
 
 void AgentTopics::Run(const std::stop_token& stop) {

@@ -114,8 +114,8 @@ void SamplePatch(const float* image, size_t stride, int width, int height,
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto zero = hn::Zero(d);
-  const auto most_x = hn::Set(d, static_cast<float>(width) - 1.001F);
-  const auto most_y = hn::Set(d, static_cast<float>(height) - 1.001F);
+  const auto max_x = hn::Set(d, static_cast<float>(width) - 1.001F);
+  const auto max_y = hn::Set(d, static_cast<float>(height) - 1.001F);
   const auto step_x = hn::Set(d, along_x);
   const auto step_y = hn::Set(d, along_y);
   const auto rows = hn::Set(di, static_cast<int32_t>(stride));
@@ -124,8 +124,8 @@ void SamplePatch(const float* image, size_t stride, int width, int height,
     const auto v = hn::LoadU(d, tables.y.data() + i);
     auto px = hn::NegMulAdd(v, step_y, hn::MulAdd(u, step_x, hn::Set(d, x)));
     auto py = hn::MulAdd(v, step_x, hn::MulAdd(u, step_y, hn::Set(d, y)));
-    px = hn::Min(hn::Max(px, zero), most_x);
-    py = hn::Min(hn::Max(py, zero), most_y);
+    px = hn::Min(hn::Max(px, zero), max_x);
+    py = hn::Min(hn::Max(py, zero), max_y);
     const auto column = hn::ConvertTo(di, px);
     const auto row = hn::ConvertTo(di, py);
     const auto a = hn::Sub(px, hn::ConvertTo(d, column));
@@ -363,7 +363,7 @@ DominantAngles FindDominantAngles(const FloatImage& image,
   const float least =
       kSecondAngle * *std::max_element(histogram.begin(), histogram.end());
   if (!(harmonics[0] > 1e-3F)) return found;
-  std::array<float, DominantAngles::kMost> height{};
+  std::array<float, DominantAngles::kMax> height{};
   for (size_t a = 0; a < kAngles; ++a) {
     const float before = histogram[(a + kAngles - 1) % kAngles];
     const float here = histogram[a];
@@ -377,14 +377,14 @@ DominantAngles FindDominantAngles(const FloatImage& image,
     // Put in its place, strongest first.
     size_t place_in = found.count;
     while (place_in > 0 && height[place_in - 1] < here) --place_in;
-    if (place_in == DominantAngles::kMost) continue;
-    for (size_t i = DominantAngles::kMost - 1; i > place_in; --i) {
+    if (place_in == DominantAngles::kMax) continue;
+    for (size_t i = DominantAngles::kMax - 1; i > place_in; --i) {
       height[i] = height[i - 1];
       found.angle_rad[i] = found.angle_rad[i - 1];
     }
     height[place_in] = here;
     found.angle_rad[place_in] = angle;
-    found.count = std::min(found.count + 1, DominantAngles::kMost);
+    found.count = std::min(found.count + 1, DominantAngles::kMax);
   }
   return found;
 }

@@ -19,8 +19,8 @@ struct ImagePlace {
 };
 
 struct DominantAngles {
-  static constexpr size_t kMost = 2;
-  std::array<float, kMost> angle_rad{};
+  static constexpr size_t kMax = 2;
+  std::array<float, kMax> angle_rad{};
   size_t count = 0;
 };
 

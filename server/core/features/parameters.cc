@@ -14,7 +14,7 @@ std::vector<base::ParameterRow> FeatureParameters() {
           base::RowOf(kPictureBlur_px),     base::RowOf(kKernelReach),
           base::RowOf(kExtremumBorder_px),  base::RowOf(kMoveBeyond_px),
           base::RowOf(kMaxMoves),           base::RowOf(kMaxCurvatureRatio),
-          base::RowOf(kLeastContrast),      base::RowOf(kRelativeContrast),
+          base::RowOf(kMinContrast),        base::RowOf(kRelativeContrast),
           base::RowOf(kGridCell_px),        base::RowOf(kCrowding),
           base::RowOf(kAngleWindow),        base::RowOf(kAngleWindowReach),
           base::RowOf(kAngleSmoothing_rad), base::RowOf(kSecondAngle),

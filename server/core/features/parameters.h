@@ -168,8 +168,8 @@ inline constexpr base::Parameter<float> kMaxCurvatureRatio{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "more is an edge; Lowe has 10, which leaves too few"};
-inline constexpr base::Parameter<float> kLeastContrast{
-    .name = "least_contrast",
+inline constexpr base::Parameter<float> kMinContrast{
+    .name = "min_contrast",
     .value = 0.1F,
     .unit = "grey level",
     .origin = base::ParameterOrigin::kPhysics,

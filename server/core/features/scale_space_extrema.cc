@@ -204,7 +204,7 @@ void FindExtrema(const ScaleSpace& space,
   extrema.clear();
   if (space.octaves().empty()) return;
   const float least = std::max<float>(
-      kLeastContrast, kRelativeContrast * MeanDifference(space.octaves()[0]));
+      kMinContrast, kRelativeContrast * MeanDifference(space.octaves()[0]));
   const auto extrema_of_row = HWY_DYNAMIC_DISPATCH(ExtremaOfRow);
   std::vector<int32_t> found;
   for (size_t o = 0; o < space.octaves().size(); ++o) {

@@ -167,10 +167,10 @@ absl::StatusOr<Capture> OpenPolycam(const std::string& folder,
                            : absl::StatusOr<ArkitCamera>(text.status()),
                  std::move(files));
   }
-  constexpr int kLeastValue[] = {0, 64, 192};
+  constexpr int kMinValue[] = {0, 64, 192};
   return gatherer.Finish(
       {.unit_m = DepthUnit_m(options),
-       .min_confidence_value = kLeastValue[options.min_confidence]});
+       .min_confidence_value = kMinValue[options.min_confidence]});
 }
 
 bool IsScannerApp(const std::string& folder) {

@@ -15,14 +15,14 @@ using keyframes::CoverageMap;
 using keyframes::CoveragePlace;
 
 // Less is what any recording has: near walls, and looking at them.
-constexpr double kLeastMissing = 0.4;
+constexpr double kMinMissing = 0.4;
 // Somebody who stands there and turns round covers about this much of a room;
 // large scenes have larger spots, so that a few of them matter.
 constexpr double kMinRadius_m = 0.4;
 constexpr double kMaxRadius_m = 2;
 constexpr double kRadiusOfScene = 0.08;  // times the root of the open area
 // A disc with less open ground in it is a corner.
-constexpr double kLeastOpen = 0.2;
+constexpr double kMinOpen = 0.2;
 constexpr double kApart = 2.5;  // radii
 // From here on, "turn round" says more than a direction.
 constexpr double kNearlyAll = 0.75;
@@ -97,8 +97,8 @@ std::vector<Candidate> Candidates(const CoverageMap& coverage,
                   candidate.missing += MissingShare(coverage, place);
                 });
     candidate.spot.missing_share = candidate.missing / places;
-    if (candidate.spot.missing_share >= kLeastMissing &&
-        places >= kLeastOpen * disc_places) {
+    if (candidate.spot.missing_share >= kMinMissing &&
+        places >= kMinOpen * disc_places) {
       candidates.push_back(candidate);
     }
   }

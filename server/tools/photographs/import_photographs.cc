@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 // A structure of fewer is of a corner of the place.
 constexpr double kFewestShare = 0.3;
 constexpr int kFewestRegistered = 8;
-constexpr double kMostShare = 0.9;  // from here on, nothing is said
+constexpr double kFullShare = 0.9;  // from here on, nothing is said
 // Photographs are further apart than frames of a video: single ones are held
 // out.
 constexpr int kHeldOutPeriod = 5;
@@ -126,7 +126,7 @@ class PhotographImporter {
           "sideways instead of turning on the spot; avoid blur and bare walls",
           source_, result_.registered, result_.pictures));
     }
-    if (share < kMostShare) {
+    if (share < kFullShare) {
       result_.notes.push_back(absl::StrFormat(
           "%d of the %d pictures could not be placed: what only they show is "
           "not learnt",

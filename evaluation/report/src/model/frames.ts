@@ -7,11 +7,11 @@ import type { Frame, Maybe, Method, Picture } from './report_data.js';
 export const NEAR_M = 0.05;
 export const NEAR_DEG = 5;
 
-export function isWithin(frame: Frame, most_m: number, most_deg: number):
+export function isWithin(frame: Frame, max_m: number, max_deg: number):
     boolean {
   return frame.translation_error_m !== null &&
-    frame.rotation_error_deg !== null && frame.translation_error_m < most_m &&
-    frame.rotation_error_deg < most_deg;
+    frame.rotation_error_deg !== null && frame.translation_error_m < max_m &&
+    frame.rotation_error_deg < max_deg;
 }
 
 export function isNear(frame: Frame): boolean {

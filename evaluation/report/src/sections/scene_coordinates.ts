@@ -47,12 +47,12 @@ function heatMaps(report: EvaluationReport): HTMLElement[] {
   const stems = new Set(methods.flatMap((method) =>
     method.page.heat_maps.map((map) => map.stem)));
   if (stems.size === 0) return [];
-  const { max_m: most_m, colors } = report.heat_map_scale;
+  const { max_m, colors } = report.heat_map_scale;
   const ramp = el('p', 'ramp', '0 ', ...colors.map((color) => {
     const step = el('i');
     step.style.background = color;
     return step;
-  }), ` ${cm(most_m, 0)} cm and more`);
+  }), ` ${cm(max_m, 0)} cm and more`);
   const rows = [...stems].map((stem) => {
     const shown = methods.flatMap((method) => method.page.heat_maps
         .filter((map) => map.stem === stem).map((map) => ({ method, map })));

@@ -1,7 +1,7 @@
 // Mapping while somebody drives: what the sensors say is recorded, followed,
 // and drawn.
-#ifndef NAV_AGENT_APP_MAP_LIVE_MAP_H_
-#define NAV_AGENT_APP_MAP_LIVE_MAP_H_
+#ifndef NAV_AGENT_APP_MAP_LIVE_MAPPER_H_
+#define NAV_AGENT_APP_MAP_LIVE_MAPPER_H_
 
 #include <cstdint>
 #include <memory>
@@ -95,4 +95,4 @@ image::ColorImage DrawLiveMap(
 
 }  // namespace treeline::map_app
 
-#endif  // NAV_AGENT_APP_MAP_LIVE_MAP_H_
+#endif  // NAV_AGENT_APP_MAP_LIVE_MAPPER_H_

@@ -1,7 +1,7 @@
 // The map that a robot makes while it drives: what its lasers see, cell by
 // cell.
-#ifndef NAV_AGENT_MAPLESS_LIVE_MAP_H_
-#define NAV_AGENT_MAPLESS_LIVE_MAP_H_
+#ifndef NAV_AGENT_MAPLESS_EVIDENCE_GRID_H_
+#define NAV_AGENT_MAPLESS_EVIDENCE_GRID_H_
 
 #include <cstdint>
 #include <span>
@@ -13,7 +13,7 @@
 namespace treeline::mapless {
 
 // A beam that came back: from where it left to what it met, in the map.
-struct LiveBeam {
+struct GridBeam {
   geometry::Vec2 from;
   geometry::Vec2 to;
 };
@@ -21,9 +21,9 @@ struct LiveBeam {
 // Evidence by cell: beams that end there against beams that pass. What was
 // never seen is unknown. It grows with what is seen, up to max_size_m a side;
 // beyond that nothing is noted. Not thread-safe.
-class LiveMap {
+class EvidenceGrid {
  public:
-  explicit LiveMap(double cell_m = kCell_m, double max_size_m = 160);
+  explicit EvidenceGrid(double cell_m = kCell_m, double max_size_m = 160);
 
   double cell_m() const { return cell_m_; }
   int width() const { return width_; }
@@ -37,7 +37,7 @@ class LiveMap {
   geometry::Vec2 seen_high() const { return seen_high_; }
 
   // The beams of one scan: a cell in which one ends is not passed by others.
-  void AddScan(std::span<const LiveBeam> beams);
+  void AddScan(std::span<const GridBeam> beams);
   // Something is known to stand there; beams that pass can say otherwise.
   void Mark(geometry::Vec2 point);
   void Clear();
@@ -63,7 +63,7 @@ class LiveMap {
   bool Contains(core::CellIndex cell) const {
     return cell.x >= 0 && cell.x < width_ && cell.y >= 0 && cell.y < height_;
   }
-  void Pass(const LiveBeam& beam);
+  void Pass(const GridBeam& beam);
 
   double cell_m_;
   int max_cells_;
@@ -80,4 +80,4 @@ class LiveMap {
 
 }  // namespace treeline::mapless
 
-#endif  // NAV_AGENT_MAPLESS_LIVE_MAP_H_
+#endif  // NAV_AGENT_MAPLESS_EVIDENCE_GRID_H_

@@ -1,4 +1,4 @@
-#include "nav_agent/app/map/map_live.h"
+#include "nav_agent/app/map/live_drive.h"
 
 #include <algorithm>
 #include <chrono>

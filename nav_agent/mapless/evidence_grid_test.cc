@@ -1,4 +1,4 @@
-#include "nav_agent/mapless/live_map.h"
+#include "nav_agent/mapless/evidence_grid.h"
 
 #include <vector>
 
@@ -7,14 +7,14 @@
 namespace treeline::mapless {
 namespace {
 
-core::Occupancy AtPoint(const LiveMap& map, geometry::Vec2 point) {
+core::Occupancy AtPoint(const EvidenceGrid& map, geometry::Vec2 point) {
   return map.At(map.CellOf(point));
 }
 
-TEST(LiveMap, KnowsWhatBeamsMetAndPassed) {
-  LiveMap map;
+TEST(EvidenceGrid, KnowsWhatBeamsMetAndPassed) {
+  EvidenceGrid map;
   EXPECT_EQ(AtPoint(map, {1, 0}), core::Occupancy::kUnknown);
-  const std::vector<LiveBeam> beams = {{.from = {0, 0}, .to = {2, 0}}};
+  const std::vector<GridBeam> beams = {{.from = {0, 0}, .to = {2, 0}}};
   map.AddScan(beams);
   EXPECT_EQ(AtPoint(map, {2, 0}), core::Occupancy::kOccupied);
   EXPECT_EQ(AtPoint(map, {1, 0}), core::Occupancy::kFree);
@@ -22,19 +22,19 @@ TEST(LiveMap, KnowsWhatBeamsMetAndPassed) {
   EXPECT_EQ(AtPoint(map, {1, 0.5}), core::Occupancy::kUnknown);
 }
 
-TEST(LiveMap, ABeamThatPassesDoesNotEraseWhatAnotherOfTheScanMet) {
-  LiveMap map;
+TEST(EvidenceGrid, ABeamThatPassesDoesNotEraseWhatAnotherOfTheScanMet) {
+  EvidenceGrid map;
   // Both go through the cell of (1, 0).
-  const std::vector<LiveBeam> beams = {{.from = {0, 0}, .to = {2, 0}},
+  const std::vector<GridBeam> beams = {{.from = {0, 0}, .to = {2, 0}},
                                        {.from = {0, 0}, .to = {1, 0.001}}};
   for (int scan = 0; scan < 50; ++scan) map.AddScan(beams);
   EXPECT_EQ(AtPoint(map, {1, 0}), core::Occupancy::kOccupied);
 }
 
-TEST(LiveMap, WhatHasGoneIsForgottenAfterSomeScans) {
-  LiveMap map;
-  const std::vector<LiveBeam> there = {{.from = {0, 0}, .to = {1, 0}}};
-  const std::vector<LiveBeam> gone = {{.from = {0, 0}, .to = {3, 0}}};
+TEST(EvidenceGrid, WhatHasGoneIsForgottenAfterSomeScans) {
+  EvidenceGrid map;
+  const std::vector<GridBeam> there = {{.from = {0, 0}, .to = {1, 0}}};
+  const std::vector<GridBeam> gone = {{.from = {0, 0}, .to = {3, 0}}};
   for (int scan = 0; scan < 50; ++scan) map.AddScan(there);
   map.AddScan(gone);
   EXPECT_EQ(AtPoint(map, {1, 0}), core::Occupancy::kOccupied);
@@ -42,12 +42,12 @@ TEST(LiveMap, WhatHasGoneIsForgottenAfterSomeScans) {
   EXPECT_EQ(AtPoint(map, {1, 0}), core::Occupancy::kFree);
 }
 
-TEST(LiveMap, GrowsInAllDirectionsAndKeepsWhatItKnows) {
-  LiveMap map;
+TEST(EvidenceGrid, GrowsInAllDirectionsAndKeepsWhatItKnows) {
+  EvidenceGrid map;
   map.Mark({0.5, 0.5});
   for (const geometry::Vec2 far :
        {geometry::Vec2{30, 0}, {-30, 0}, {0, 30}, {0, -30}}) {
-    const std::vector<LiveBeam> beams = {{.from = {0, 0}, .to = far}};
+    const std::vector<GridBeam> beams = {{.from = {0, 0}, .to = far}};
     map.AddScan(beams);
     EXPECT_EQ(AtPoint(map, far), core::Occupancy::kOccupied);
   }
@@ -56,27 +56,27 @@ TEST(LiveMap, GrowsInAllDirectionsAndKeepsWhatItKnows) {
   EXPECT_GE(map.seen_high().y, 30);
 }
 
-TEST(LiveMap, NotesNothingBeyondItsLargestSize) {
-  LiveMap map(0.1, 20);
-  const std::vector<LiveBeam> beams = {{.from = {0, 0}, .to = {5, 0}},
+TEST(EvidenceGrid, NotesNothingBeyondItsLargestSize) {
+  EvidenceGrid map(0.1, 20);
+  const std::vector<GridBeam> beams = {{.from = {0, 0}, .to = {5, 0}},
                                        {.from = {0, 0}, .to = {90, 0}}};
   map.AddScan(beams);
   EXPECT_LE(map.width(), 200);
   EXPECT_EQ(AtPoint(map, {90, 0}), core::Occupancy::kUnknown);
 }
 
-TEST(LiveMap, WhatWasMarkedCanTurnOutToBeFree) {
-  LiveMap map;
+TEST(EvidenceGrid, WhatWasMarkedCanTurnOutToBeFree) {
+  EvidenceGrid map;
   map.Mark({1, 0});
-  const std::vector<LiveBeam> beams = {{.from = {0, 0}, .to = {2, 0}}};
+  const std::vector<GridBeam> beams = {{.from = {0, 0}, .to = {2, 0}}};
   for (int scan = 0; scan < kMaxEvidence; ++scan) map.AddScan(beams);
   EXPECT_EQ(AtPoint(map, {1, 0}), core::Occupancy::kFree);
   map.Clear();
   EXPECT_EQ(AtPoint(map, {2, 0}), core::Occupancy::kUnknown);
 }
 
-TEST(LiveMap, PartsReachBeyondIt) {
-  LiveMap map(0.1, 20);
+TEST(EvidenceGrid, PartsReachBeyondIt) {
+  EvidenceGrid map(0.1, 20);
   map.Mark({0, 0});
   const core::CellIndex cell = map.CellOf({0, 0});
   const std::vector<uint8_t> part =

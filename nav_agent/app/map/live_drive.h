@@ -1,6 +1,6 @@
 // treeline-agent map --live: which sensors, and until when.
-#ifndef NAV_AGENT_APP_MAP_MAP_LIVE_H_
-#define NAV_AGENT_APP_MAP_MAP_LIVE_H_
+#ifndef NAV_AGENT_APP_MAP_LIVE_DRIVE_H_
+#define NAV_AGENT_APP_MAP_LIVE_DRIVE_H_
 
 #include <cstdint>
 #include <functional>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "nav_agent/app/map/live_map.h"
+#include "nav_agent/app/map/live_mapper.h"
 
 namespace treeline::map_app {
 
@@ -45,4 +45,4 @@ absl::Status RecordLiveDrive(const LiveMappingOptions& options,
 
 }  // namespace treeline::map_app
 
-#endif  // NAV_AGENT_APP_MAP_MAP_LIVE_H_
+#endif  // NAV_AGENT_APP_MAP_LIVE_DRIVE_H_

@@ -1,4 +1,4 @@
-#include "nav_agent/app/map/live_map.h"
+#include "nav_agent/app/map/live_mapper.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "nav_agent/mapless/live_map.h"
+#include "nav_agent/mapless/evidence_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,27 +12,27 @@ constexpr double kGrowth_m = 4;
 
 }  // namespace
 
-LiveMap::LiveMap(double cell_m, double max_size_m)
+EvidenceGrid::EvidenceGrid(double cell_m, double max_size_m)
     : cell_m_(cell_m), max_cells_(static_cast<int>(max_size_m / cell_m)) {}
 
-core::CellIndex LiveMap::CellOf(geometry::Vec2 point) const {
+core::CellIndex EvidenceGrid::CellOf(geometry::Vec2 point) const {
   return {static_cast<int>(std::floor((point.x - origin_.x) / cell_m_)),
           static_cast<int>(std::floor((point.y - origin_.y) / cell_m_))};
 }
 
-geometry::Vec2 LiveMap::CenterOf(core::CellIndex cell) const {
+geometry::Vec2 EvidenceGrid::CenterOf(core::CellIndex cell) const {
   return {origin_.x + (cell.x + 0.5) * cell_m_,
           origin_.y + (cell.y + 0.5) * cell_m_};
 }
 
-core::Occupancy LiveMap::At(core::CellIndex cell) const {
+core::Occupancy EvidenceGrid::At(core::CellIndex cell) const {
   if (!Contains(cell)) return core::Occupancy::kUnknown;
   const int8_t evidence = evidence_[IndexOf(cell)];
   if (evidence == kUnseen) return core::Occupancy::kUnknown;
   return evidence > 0 ? core::Occupancy::kOccupied : core::Occupancy::kFree;
 }
 
-bool LiveMap::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
+bool EvidenceGrid::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
   if (width_ == 0) {
     origin_ = {std::floor((low.x - kGrowth_m) / cell_m_) * cell_m_,
                std::floor((low.y - kGrowth_m) / cell_m_) * cell_m_};
@@ -75,11 +75,11 @@ bool LiveMap::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
   return true;
 }
 
-void LiveMap::AddScan(std::span<const LiveBeam> beams) {
+void EvidenceGrid::AddScan(std::span<const GridBeam> beams) {
   if (beams.empty()) return;
   geometry::Vec2 low = beams.front().from;
   geometry::Vec2 high = low;
-  for (const LiveBeam& beam : beams) {
+  for (const GridBeam& beam : beams) {
     for (const geometry::Vec2 point : {beam.from, beam.to}) {
       low = {std::min(low.x, point.x), std::min(low.y, point.y)};
       high = {std::max(high.x, point.x), std::max(high.y, point.y)};
@@ -87,7 +87,7 @@ void LiveMap::AddScan(std::span<const LiveBeam> beams) {
   }
   MakeRoomFor(low, high);
   ++scan_;
-  for (const LiveBeam& beam : beams) {
+  for (const GridBeam& beam : beams) {
     const core::CellIndex cell = CellOf(beam.to);
     if (!Contains(cell)) continue;
     const size_t index = IndexOf(cell);
@@ -97,10 +97,10 @@ void LiveMap::AddScan(std::span<const LiveBeam> beams) {
     evidence_[index] = static_cast<int8_t>(
         std::min<int>(evidence + kHitEvidence, kMaxEvidence));
   }
-  for (const LiveBeam& beam : beams) Pass(beam);
+  for (const GridBeam& beam : beams) Pass(beam);
 }
 
-void LiveMap::Pass(const LiveBeam& beam) {
+void EvidenceGrid::Pass(const GridBeam& beam) {
   core::CellIndex cell = CellOf(beam.from);
   const core::CellIndex end = CellOf(beam.to);
   const geometry::Vec2 way = beam.to - beam.from;
@@ -138,17 +138,17 @@ void LiveMap::Pass(const LiveBeam& beam) {
   }
 }
 
-void LiveMap::Mark(geometry::Vec2 point) {
+void EvidenceGrid::Mark(geometry::Vec2 point) {
   if (!MakeRoomFor(point, point)) return;
   evidence_[IndexOf(CellOf(point))] = kMaxEvidence;
 }
 
-void LiveMap::Clear() {
+void EvidenceGrid::Clear() {
   std::fill(evidence_.begin(), evidence_.end(), kUnseen);
 }
 
-std::vector<uint8_t> LiveMap::ObstaclesIn(int x0, int y0, int columns,
-                                          int rows) const {
+std::vector<uint8_t> EvidenceGrid::ObstaclesIn(int x0, int y0, int columns,
+                                               int rows) const {
   std::vector<uint8_t> obstacles(
       static_cast<size_t>(columns) * static_cast<size_t>(rows), 0);
   const int first_x = std::max(0, -x0);
@@ -163,7 +163,7 @@ std::vector<uint8_t> LiveMap::ObstaclesIn(int x0, int y0, int columns,
   return obstacles;
 }
 
-core::OccupancyGrid LiveMap::Grid() const {
+core::OccupancyGrid EvidenceGrid::Grid() const {
   core::OccupancyGrid grid = core::OccupancyGrid::Filled(
       width_, height_, cell_m_, {origin_, 0}, core::Occupancy::kUnknown);
   for (int y = 0; y < height_; ++y) {
