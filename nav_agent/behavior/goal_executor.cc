@@ -94,6 +94,8 @@ void GoalExecutor::Suspend() {
 void GoalExecutor::NoteWayIsFree() {
   if (auto* driving = std::get_if<DrivingState>(&state_)) {
     driving->NoteWayIsFree();
+  } else if (auto* planning = std::get_if<PlanningState>(&state_)) {
+    planning->NoteWayIsFree();
   } else if (auto* recovering = std::get_if<RecoveringState>(&state_)) {
     recovering->NoteWayIsFree();
   }

@@ -58,7 +58,8 @@ PlanningState::Outcome PlanningState::Step(const GoalCourse& goal,
                                            GoalTools& tools,
                                            base::MonotonicTime now) {
   // A plan that fails may ask for another one, which may be there at once. That
-  // ends: each is asked for another purpose, and none twice.
+  // ends: each is asked for another purpose, and none twice but where the way
+  // was freed, which happens between steps.
   while (std::optional<PlanRequests::Answer> answer =
              tools.plans.TakeInTime(now)) {
     std::optional<Outcome> outcome =
@@ -78,12 +79,17 @@ std::optional<PlanningState::Outcome> PlanningState::TakeAnswer(
         .why = absl::StrCat("the planner: ", answer.result.status().message())};
   }
   const PlanPurpose purpose = answer.purpose;
+  if (answer.HasPath() && purpose != PlanPurpose::kUnblocked) {
+    return PlannedPath{.result = *std::move(answer.result),
+                       .had_blockages = answer.had_blockages,
+                       .may_be_better = purpose == PlanPurpose::kRoute};
+  }
+  if (std::exchange(way_is_free_, false)) {
+    tools.plans.Ask(PlanPurpose::kRoute, robot, goal.Target(),
+                    tools.blockages.All(), now);
+    return std::nullopt;
+  }
   if (answer.HasPath()) {
-    if (purpose != PlanPurpose::kUnblocked) {
-      return PlannedPath{.result = *std::move(answer.result),
-                         .had_blockages = answer.had_blockages,
-                         .may_be_better = purpose == PlanPurpose::kRoute};
-    }
     return GoalTrouble{
         .kind = failure_.failure == core::NavigationCause::kStartBlocked
                     ? Trouble::kEnclosed

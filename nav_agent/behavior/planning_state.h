@@ -24,6 +24,10 @@ class PlanningState {
   Outcome Step(const GoalCourse& goal, const core::LevelPose& robot,
                GoalTools& tools, base::MonotonicTime now);
 
+  // Something that stood in the way is gone: a failure of a plan that was asked
+  // for before is out of date.
+  void NoteWayIsFree() { way_is_free_ = true; }
+
  private:
   // nullopt: another plan was asked for.
   std::optional<Outcome> TakeAnswer(PlanRequests::Answer answer,
@@ -33,6 +37,8 @@ class PlanningState {
 
   // The last failure, while it is asked whether there is a way otherwise.
   planning::PlanResult failure_;
+  // Since the last plan for a route was asked for.
+  bool way_is_free_ = false;
 };
 
 }  // namespace treeline::behavior

@@ -62,6 +62,22 @@ TEST_F(PlanningStateTest, KnowsThatItIsEnclosed) {
   EXPECT_EQ(trouble.cause, core::NavigationCause::kStartBlocked);
 }
 
+TEST_F(PlanningStateTest, AsksAgainIfWhatStoodThereIsGone) {
+  Block({3, 2});
+  planner.holds = true;
+  PlanningState planning(goal, robot, tools, Now());
+  EXPECT_EQ(planning.Step(goal, robot, tools, Now()).index(), 0u);
+  tools.blockages.Clear();
+  planning.NoteWayIsFree();
+  AnswerFailure(core::NavigationCause::kNoPath, "a crate");
+  planner.holds = false;
+  const auto outcome = planning.Step(goal, robot, tools, Now());
+  EXPECT_FALSE(std::get<PlannedPath>(outcome).had_blockages);
+  ASSERT_EQ(planner.requests.size(), 2u);
+  EXPECT_EQ(planner.requests[0].blockages.size(), 1u);
+  EXPECT_TRUE(planner.requests[1].blockages.empty());
+}
+
 TEST_F(PlanningStateTest, AsksAtMostForThreePlans) {
   Block({3, 2});
   for (int i = 0; i < 5; ++i) {

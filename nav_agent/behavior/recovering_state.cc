@@ -50,9 +50,9 @@ RecoveringState::Result RecoveringState::Step(const control::ControlPose& pose,
   tools.events.Add(
       "recovery", absl::StrFormat("%s: %s", RecoveryBehaviorName(kind),
                                   RecoveryBehaviorOutcomeName(result.outcome)));
-  return {.outcome = result.outcome == RecoveryBehaviorOutcome::kNotPossible
-                         ? Outcome::kNotPossible
-                         : Outcome::kDone,
+  const bool is_next_due =
+      result.outcome == RecoveryBehaviorOutcome::kNotPossible && !way_is_free_;
+  return {.outcome = is_next_due ? Outcome::kNotPossible : Outcome::kDone,
           .command = {}};
 }
 

@@ -54,6 +54,16 @@ TEST_F(RecoveringStateTest, WhatIsImpossibleIsFollowedByTheNext) {
   EXPECT_TRUE(Said("recovery", "re-route"));
 }
 
+TEST_F(RecoveringStateTest, WhatIsImpossibleDoesNotMatterIfTheWayIsFree) {
+  RecoveringState recovering = From(Trouble::kStuck);
+  ASSERT_TRUE(recovering.BeginNext(tools, Now()));
+  controller.free_m = 0;
+  ASSERT_TRUE(recovering.BeginNext(tools, Now()));
+  recovering.NoteWayIsFree();
+  EXPECT_EQ(Step(recovering), Outcome::kDone);
+  EXPECT_TRUE(Said("recovery", "back up: not possible"));
+}
+
 TEST_F(RecoveringStateTest, ToReRouteBlocksWhatIsAhead) {
   RecoveringState recovering = From(Trouble::kStuck);
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(recovering.BeginNext(tools, Now()));
