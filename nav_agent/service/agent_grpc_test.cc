@@ -64,11 +64,15 @@ class AgentGrpcTest : public ::testing::Test {
 
 TEST_F(AgentGrpcTest, NavigateTellsHowItGoesUntilTheGoal) {
   Start();
+  agent_->navigator.may_arrive = false;
   grpc::ClientContext context;
   const auto stream = navigation_->Navigate(&context, GoalAt(1, 1));
   std::vector<v1::NavigateResponse> feedback;
   v1::NavigateResponse one;
-  while (stream->Read(&one)) feedback.push_back(one);
+  while (stream->Read(&one)) {
+    feedback.push_back(one);
+    agent_->navigator.may_arrive = true;
+  }
   EXPECT_TRUE(stream->Finish().ok());
   ASSERT_GE(feedback.size(), 2U);
   for (size_t i = 0; i + 1 < feedback.size(); ++i) {

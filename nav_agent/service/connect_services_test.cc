@@ -116,10 +116,12 @@ v1::NavigateRequest GoalAt(double x_m, double y_m) {
 
 TEST_F(ConnectServicesTest, NavigateTellsHowItGoesUntilTheGoal) {
   Start();
+  agent_->navigator.may_arrive = false;
   std::vector<v1::NavigateResponse> feedback;
   const std::string end = Read<v1::NavigateResponse>(
       "Navigate", GoalAt(1, 1), [&](const v1::NavigateResponse& one) {
         feedback.push_back(one);
+        agent_->navigator.may_arrive = true;
         return true;
       });
   EXPECT_EQ(end, "{}");

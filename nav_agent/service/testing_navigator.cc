@@ -23,6 +23,7 @@ void FakeNavigator::Step() {
   const geometry::Vec2 way = target.map_from_base.translation - at;
   goal.to_go_m = geometry::Norm(way);
   constexpr double kStride_m = 0.1;
+  if (goal.to_go_m <= kStride_m && !may_arrive) return;
   if (goal.to_go_m <= kStride_m) {
     snapshot.pose->pose = target;
     goal.to_go_m = 0;

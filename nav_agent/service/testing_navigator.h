@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_SERVICE_TESTING_NAVIGATOR_H_
 #define NAV_AGENT_SERVICE_TESTING_NAVIGATOR_H_
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,9 @@ class FakeNavigator final : public behavior::Navigator {
   behavior::NavigatorSnapshot snapshot;
   behavior::NavigationGoal last_goal;
   bool halted = false;
+  // While false it stands before its goal: for whoever wants to see it on the
+  // way there. Thread-safe.
+  std::atomic<bool> may_arrive = true;
 
  private:
   uint64_t goals_ = 0;
