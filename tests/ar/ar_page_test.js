@@ -1,5 +1,5 @@
 // The AR page in a real browser, against treeline-server, with a camera that
-// sees held-out frames. Run by ctest (run_test.cmake) with TREELINE_SERVER,
+// sees held-out frames. Run by ctest (browser_test) with TREELINE_SERVER,
 // TREELINE_SCENE (make_scene.cmake), TREELINE_PAGE and TREELINE_PAGE_WORK.
 
 import assert from 'node:assert/strict';

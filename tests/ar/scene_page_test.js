@@ -1,5 +1,5 @@
 // The scene page in a real browser, against treeline-server with a scene that
-// it has learned. Run by ctest (run_test.cmake); environment as ar_page_test.js.
+// it has learned. Run by ctest (browser_test); environment as ar_page_test.js.
 // With TREELINE_SCREENSHOTS=FOLDER it leaves pictures of itself there.
 
 import assert from 'node:assert/strict';

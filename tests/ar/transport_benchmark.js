@@ -1,6 +1,5 @@
 // What a picture's way to the server and back costs in a browser: by calls on a
-// kept connection, and over one WebSocket. Run with the environment of
-// run_test.cmake:
+// kept connection, and over one WebSocket. Run with the environment of ctest:
 //   TREELINE_SERVER=build/dev/bin/treeline-server TREELINE_SCENE=... \
 //   TREELINE_PAGE=build/ar-page TREELINE_PAGE_WORK=build/ar-page-work \
 //   node tests/ar/transport_benchmark.js

@@ -1,4 +1,4 @@
-// What is in the package of @treeline/client. Run by ctest (run_test.cmake).
+// What is in the package of @treeline/client. Run by ctest.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
