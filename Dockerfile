@@ -51,6 +51,7 @@ STOPSIGNAL SIGTERM
 LABEL org.opencontainers.image.title="Treeline" \
       org.opencontainers.image.description="Tells a camera where it is" \
       org.opencontainers.image.vendor="The Treeline authors" \
+      org.opencontainers.image.version="0.1.0" \
       org.opencontainers.image.base.name="docker.io/library/debian:bookworm-slim"
 
 # -----------------------------------------------------------------------------
