@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -33,6 +34,11 @@ _FIRST_RECONNECT_MS = 100
 _LAST_RECONNECT_MS = 2000
 
 _CERTIFICATE_REFRESH_S = 1.0
+
+# What is no name goes to the server in the request alone: gRPC would end the
+# call for a character that no header may hold.
+_SCENE_METADATA = "x-treeline-scene"
+_SCENE_NAME = re.compile(r"[A-Za-z0-9._-]{1,128}")
 
 
 def _service_config(max_attempts: int) -> str:
@@ -187,11 +193,15 @@ class Connection:
             if is_last:
                 stubs.channel.close()
 
-    def metadata(self) -> list[tuple[str, str]]:
-        """What every call carries."""
-        if self._token is None:
-            return []
-        return [("authorization", f"Bearer {self._token.get()}")]
+    def metadata(self, scene: str | None = None) -> list[tuple[str, str]]:
+        """What every call carries; with the scene that it is about, if it is
+        about one, by which a balancer can choose the server."""
+        metadata = []
+        if self._token is not None:
+            metadata.append(("authorization", f"Bearer {self._token.get()}"))
+        if scene is not None and _SCENE_NAME.fullmatch(scene):
+            metadata.append((_SCENE_METADATA, scene))
+        return metadata
 
     def close(self) -> None:
         """Cancels the calls that are not answered."""
