@@ -7,7 +7,7 @@ same one. Clients try again as the client library does.
 import time
 
 from cluster import Balancer, Deployment, haproxy_version
-from harness import Bench, bench, explain_losses, fault, lost
+from harness import Bench, bench, explain_losses, fault, lost, wait_until
 
 # As the shipped client library tries.
 ATTEMPTS = ("--attempts", "4")
@@ -23,11 +23,19 @@ def fleet(setup, pods):
     return deployment, Balancer(setup, deployment)
 
 
+def answers_of(deployment):
+    """Of each pod."""
+    counts = [pod.metrics() for pod in deployment.pods]
+    return [metrics.sum("treeline_requests_total", rpc="Localize", status="OK")
+            if metrics.has("treeline_requests_total") else 0
+            for metrics in counts]
+
+
 class Load:
     """Clients that ask as long as something is being done to the fleet."""
 
-    def __init__(self, setup, balancer):
-        self._bench = Bench(setup, balancer.address, *ATTEMPTS, "--concurrency",
+    def __init__(self, setup, address):
+        self._bench = Bench(setup, address, *ATTEMPTS, "--concurrency",
                             "4", "--duration", ENOUGH_S, scenes=SCENES,
                             max_frames=2)
         time.sleep(setup.seconds(4, 2))
@@ -53,7 +61,7 @@ class Load:
 @fault("fleet-rolling", "a rolling restart behind haproxy: no failed call")
 def rolling(setup, row):
     deployment, balancer = fleet(setup, setup.seconds(3, 2))
-    load = Load(setup, balancer)
+    load = Load(setup, balancer.address)
     for _ in range(setup.seconds(2, 1)):
         deployment.restart()
     load.end(setup, row)
@@ -66,13 +74,11 @@ def rolling(setup, row):
                       "call, and all four work")
 def scale(setup, row):
     deployment, balancer = fleet(setup, 1)
-    load = Load(setup, balancer)
+    load = Load(setup, balancer.address)
     deployment.scale(4)
     balancer.await_servers(4)
     time.sleep(setup.seconds(6, 3))
-    worked = [pod.metrics().sum("treeline_requests_total", rpc="Localize",
-                                status="OK") for pod in deployment.pods
-              if pod.metrics().has("treeline_requests_total")]
+    worked = answers_of(deployment)
     deployment.scale(1)
     balancer.await_servers(1)
     load.end(setup, row)
@@ -86,7 +92,7 @@ def scale(setup, row):
                           "haproxy, and replaced: no call lost after retries")
 def node_loss(setup, row):
     deployment, balancer = fleet(setup, 4)
-    load = Load(setup, balancer)
+    load = Load(setup, balancer.address)
     gone = deployment.lose(2)
     balancer.await_servers(2)
     time.sleep(setup.seconds(3, 1))
@@ -95,6 +101,30 @@ def node_loss(setup, row):
         deployment.zone.remove(pod.host)
     balancer.await_servers(4)
     load.end(setup, row)
+
+
+@fault("fleet-dns", "no balancer: clients look the pods up in the DNS; rolling "
+                    "restart, and from 1 to 3 and back: no failed call")
+def dns(setup, row):
+    # As base/settings.env has it: until then clients know of nothing new.
+    deployment = Deployment(setup, setup.models(SCENES), *SERVER,
+                            "--max-connection-age-s", "60")
+    deployment.scale(1)
+    load = Load(setup, f"dns://127.0.0.1:{deployment.zone.port}/treeline-pods:"
+                       f"{deployment.port}")
+    for _ in range(setup.seconds(3, 1)):
+        deployment.restart()
+    # Or it takes a minute until clients know of the new ones.
+    deployment.flags = (*SERVER, "--max-connection-age-s", "2")
+    deployment.restart()
+    deployment.scale(3)
+    wait_until(lambda: all(answers_of(deployment)), "all pods to answer")
+    row.figure("answers by pod", answers_of(deployment))
+    deployment.scale(1)
+    load.end(setup, row)
+    row.figure("pods started", len(deployment.exits) + len(deployment.pods))
+    row.require("exit codes other than 0",
+                sum(code != 0 for code in deployment.exits), "==", 0)
 
 
 def loads_of(deployment):

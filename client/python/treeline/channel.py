@@ -33,6 +33,10 @@ _PING_TIMEOUT_MS = 2000
 _FIRST_RECONNECT_MS = 100
 _LAST_RECONNECT_MS = 2000
 
+# gRPC would look a name up again only 30 s after the last time, whatever went
+# meanwhile; servers that are restarted in turn may all be others by then.
+_LOOK_UP_AGAIN_MS = 1000
+
 _CERTIFICATE_REFRESH_S = 1.0
 
 # What is no name goes to the server in the request alone: gRPC would end the
@@ -115,7 +119,8 @@ class Connection:
             ("grpc.keepalive_time_ms", _PING_AFTER_MS),
             ("grpc.keepalive_timeout_ms", _PING_TIMEOUT_MS),
             ("grpc.initial_reconnect_backoff_ms", _FIRST_RECONNECT_MS),
-            ("grpc.max_reconnect_backoff_ms", _LAST_RECONNECT_MS)]
+            ("grpc.max_reconnect_backoff_ms", _LAST_RECONNECT_MS),
+            ("grpc.dns_min_time_between_resolutions_ms", _LOOK_UP_AGAIN_MS)]
         if tls is not None:
             # New certificates need connections of their own.
             self._arguments.append(("grpc.use_local_subchannel_pool", 1))
