@@ -95,7 +95,7 @@ RUN apt-get update -q && \
       apt-get install -q -y --no-install-recommends prometheus && \
     rm -rf /var/lib/apt/lists/* && \
     install -d -o treeline -g treeline /prometheus
-COPY deploy/prometheus.yml /etc/prometheus/prometheus.yml
+COPY deploy/prometheus.yml deploy/observability/rules.yml /etc/prometheus/
 USER 10001:10001
 EXPOSE 9090
 HEALTHCHECK --interval=5s --timeout=3s --start-period=10s \

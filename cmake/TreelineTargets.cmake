@@ -97,12 +97,19 @@ function(treeline_fuzzer name)
   endif()
 endfunction()
 
-# treeline_python_test(NAME LABEL label SCRIPT file [ARGS argument...])
-# A check that is a Python program: it passes if it exits with 0.
+# treeline_python_test(NAME LABEL label SCRIPT file [ARGS argument...] [DEBIAN])
+# A check that is a Python program: it passes if it exits with 0. DEBIAN: by
+# Debian's Python, whatever else is in the PATH, which has Debian's packages.
 function(treeline_python_test name)
-  cmake_parse_arguments(ARG "" "LABEL;SCRIPT" "ARGS" ${ARGN})
+  cmake_parse_arguments(ARG "DEBIAN" "LABEL;SCRIPT" "ARGS" ${ARGN})
+  set(python ${Python3_EXECUTABLE})
+  if(ARG_DEBIAN)
+    find_program(TREELINE_DEBIAN_PYTHON python3
+      PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
+    set(python ${TREELINE_DEBIAN_PYTHON})
+  endif()
   add_test(NAME ${name}
-    COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_SCRIPT}
+    COMMAND ${python} -B ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_SCRIPT}
             ${ARG_ARGS})
   set_tests_properties(${name} PROPERTIES
     LABELS ${ARG_LABEL} TIMEOUT 300)

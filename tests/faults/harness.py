@@ -220,21 +220,26 @@ class Server(Program):
     """treeline-server, serving."""
 
     def __init__(self, setup, models, *more, port=None, cpus=None, wrap=(),
-                 listen_others=True, environment=None, preexec=None):
+                 listen_others=True, environment=None, preexec=None,
+                 host="127.0.0.1", http_port=None):
         self.setup = setup
+        self.host = host
         self.port = port or free_port()
-        self.address = f"127.0.0.1:{self.port}"
-        command = [*wrap, setup.program("treeline-server"), "--models", models,
-                   "--listen", self.address, *more]
+        self.address = f"{host}:{self.port}"
+        # None: the environment names them.
+        named = [] if models is None else ["--models", models]
+        command = [*wrap, setup.program("treeline-server"), *named, "--listen",
+                   self.address, *more]
         self.http_port = self.admin_port = None
         # Else every server would want the same default ports.
         if setup.server_has("--http-listen"):
-            self.http_port = free_port() if listen_others else None
-            command += ["--http-listen", f"127.0.0.1:{self.http_port}"
+            if listen_others:
+                self.http_port = http_port or free_port()
+            command += ["--http-listen", f"{host}:{self.http_port}"
                         if self.http_port else ""]
         if setup.server_has("--admin-listen"):
             self.admin_port = free_port() if listen_others else None
-            command += ["--admin-listen", f"127.0.0.1:{self.admin_port}"
+            command += ["--admin-listen", f"{host}:{self.admin_port}"
                         if self.admin_port else ""]
         super().__init__(setup, command, cpus=cpus, environment=environment,
                          preexec=preexec)
@@ -258,7 +263,7 @@ class Server(Program):
                       *more, port=self.port, **options)
 
     def get(self, path, timeout_s=10):
-        connection = http.client.HTTPConnection("127.0.0.1", self.http_port,
+        connection = http.client.HTTPConnection(self.host, self.http_port,
                                                 timeout=timeout_s)
         try:
             connection.request("GET", path)

@@ -1,7 +1,9 @@
 """What the fault suite judges by, judged itself."""
 
+import struct
 import unittest
 
+from cluster import answer_to, configuration
 from harness import FaultError, Metrics, Row, calls, lost, worst_p99
 from load import server_counts, total
 
@@ -68,6 +70,40 @@ class RowTest(unittest.TestCase):
         row.require("failed", 0, "==", 0)
         row.error = "no server"
         self.assertFalse(row.passed)
+
+
+class ClusterTest(unittest.TestCase):
+
+    @staticmethod
+    def question(name, kind):
+        labels = b"".join(bytes([len(part)]) + part.encode()
+                          for part in name.split(".")) + b"\0"
+        return struct.pack(">HHHHHH", 7, 0x0100, 1, 0, 0, 0) + labels + \
+            struct.pack(">HH", kind, 1)
+
+    def test_the_name_server_answers_with_every_address(self):
+        question = self.question("pods.default.svc", 1)
+        answer = answer_to(question, ["127.1.2.3", "127.1.2.4"])
+        self.assertEqual(answer[:2], question[:2])
+        self.assertEqual(answer[6:8], b"\0\2")
+        self.assertEqual(answer[12:len(question)], question[12:])
+        self.assertTrue(answer.endswith(b"\0\4\x7f\1\2\4"))
+
+    def test_other_types_have_no_addresses(self):
+        answer = answer_to(self.question("pods", 28), ["127.1.2.3"])
+        self.assertEqual(answer[6:8], b"\0\0")
+
+    def test_what_is_no_question_is_refused(self):
+        for bytes_ in (b"", b"\0" * 11, self.question("pods", 1)[:-3],
+                       b"\0" * 12 + b"\xff"):
+            with self.assertRaises(ValueError):
+                answer_to(bytes_, [])
+
+    def test_a_change_that_fits_nowhere_or_twice_is_an_error(self):
+        self.assertEqual(configuration("a b", [("a", "c")]), "c b")
+        for text in ("b", "a a"):
+            with self.assertRaises(FaultError):
+                configuration(text, [("a", "c")])
 
 
 class RunTest(unittest.TestCase):

@@ -17,8 +17,10 @@ import tempfile
 import time
 
 import clients  # noqa: F401  (each of these registers its faults)
+import fleet  # noqa: F401
 import load  # noqa: F401
 import models  # noqa: F401
+import object_store  # noqa: F401
 import replicas  # noqa: F401
 from harness import FAULTS, FaultError, Row, Setup
 

@@ -72,6 +72,19 @@ class Answers(WithServer):
             treeline.SceneCandidate("office", 0, False, False, 0, 0)))
         self.assertGreater(answer.round_trip_ms, 0)
 
+    def test_the_scene_is_named_for_balancers(self):
+        self.client.localize(JPEG, scene="kitchen-2.new_1")
+        self.client.scene("office")
+        self.assertEqual([m.get("x-treeline-scene")
+                          for m in self.service.metadata],
+                         ["kitchen-2.new_1", "office"])
+
+    def test_what_is_no_scene_name_is_in_the_request_alone(self):
+        for scene in (None, "", "a b", "k\u00fcche", "a\nb", "x" * 129):
+            self.client.localize(JPEG, scene=scene)
+            self.assertNotIn("x-treeline-scene", self.service.metadata[-1])
+            self.assertEqual(self.service.requests[-1].scene, scene or "")
+
     def test_not_localized_is_an_answer(self):
         answer = self.client.localize(JPEG, scene="kitchen")
         self.assertFalse(answer)

@@ -109,6 +109,7 @@ class Service(relocalization_pb2_grpc.RelocalizationServiceServicer,
 
     def LocalizeStream(self, requests, context):
         context.add_callback(self.stream_ended.set)
+        self.metadata.append(dict(context.invocation_metadata()))
         for request in requests:
             self.requests.append(request)
             result = self.before_answer(request)

@@ -45,6 +45,7 @@ class Streams(WithServer):
         self.assertTrue(all(a.get().round_trip_ms > 0 for a in answers))
         first, second = self.service.requests[:2]
         self.assertEqual(first.localize.scene, "room")
+        self.assertEqual(self.service.metadata[0]["x-treeline-scene"], "room")
         self.assertTrue(first.HasField("settings"))
         self.assertFalse(second.HasField("settings"))
 

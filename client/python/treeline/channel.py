@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -32,7 +33,16 @@ _PING_TIMEOUT_MS = 2000
 _FIRST_RECONNECT_MS = 100
 _LAST_RECONNECT_MS = 2000
 
+# gRPC would look a name up again only 30 s after the last time, whatever went
+# meanwhile; servers that are restarted in turn may all be others by then.
+_LOOK_UP_AGAIN_MS = 1000
+
 _CERTIFICATE_REFRESH_S = 1.0
+
+# What is no name goes to the server in the request alone: gRPC would end the
+# call for a character that no header may hold.
+_SCENE_METADATA = "x-treeline-scene"
+_SCENE_NAME = re.compile(r"[A-Za-z0-9._-]{1,128}")
 
 
 def _service_config(max_attempts: int) -> str:
@@ -109,7 +119,8 @@ class Connection:
             ("grpc.keepalive_time_ms", _PING_AFTER_MS),
             ("grpc.keepalive_timeout_ms", _PING_TIMEOUT_MS),
             ("grpc.initial_reconnect_backoff_ms", _FIRST_RECONNECT_MS),
-            ("grpc.max_reconnect_backoff_ms", _LAST_RECONNECT_MS)]
+            ("grpc.max_reconnect_backoff_ms", _LAST_RECONNECT_MS),
+            ("grpc.dns_min_time_between_resolutions_ms", _LOOK_UP_AGAIN_MS)]
         if tls is not None:
             # New certificates need connections of their own.
             self._arguments.append(("grpc.use_local_subchannel_pool", 1))
@@ -187,11 +198,15 @@ class Connection:
             if is_last:
                 stubs.channel.close()
 
-    def metadata(self) -> list[tuple[str, str]]:
-        """What every call carries."""
-        if self._token is None:
-            return []
-        return [("authorization", f"Bearer {self._token.get()}")]
+    def metadata(self, scene: str | None = None) -> list[tuple[str, str]]:
+        """What every call carries; with the scene that it is about, if it is
+        about one, by which a balancer can choose the server."""
+        metadata = []
+        if self._token is not None:
+            metadata.append(("authorization", f"Bearer {self._token.get()}"))
+        if scene is not None and _SCENE_NAME.fullmatch(scene):
+            metadata.append((_SCENE_METADATA, scene))
+        return metadata
 
     def close(self) -> None:
         """Cancels the calls that are not answered."""

@@ -68,12 +68,12 @@ class Client:
         self._connection.close()
 
     def _call(self, method: Callable[[Stubs], Any], request: Any,
-              timeout_s: float | None) -> Any:
+              timeout_s: float | None, scene: str | None = None) -> Any:
         timeout_s = self._timeout_s if timeout_s is None else timeout_s
         with self._connection.stubs() as stubs:
             try:
                 return method(stubs)(request, timeout=timeout_s,
-                                     metadata=self._connection.metadata())
+                                     metadata=self._connection.metadata(scene))
             except grpc.RpcError as error:
                 raise errors.from_rpc_error(error, self._connection.servers,
                                             timeout_s) from None
@@ -95,7 +95,7 @@ class Client:
         """localize() of a Query."""
         start = time.monotonic()
         response = self._call(lambda stubs: stubs.relocalization.Localize,
-                              request_of(query), timeout_s)
+                              request_of(query), timeout_s, query.scene)
         return answer_of(response, (time.monotonic() - start) * 1e3,
                          query.want_correspondences)
 
@@ -146,14 +146,15 @@ class Client:
         """One scene; errors.NotFound."""
         return scene_of(self._call(
             lambda stubs: stubs.scenes.GetScene,
-            scenes_pb2.GetSceneRequest(scene=name), timeout_s).scene)
+            scenes_pb2.GetSceneRequest(scene=name), timeout_s, name).scene)
 
     def load_scene(self, name: str, model_version: str = "", *,
                    timeout_s: float | None = None) -> Scene:
         """Loads a version now ("": the newest). For administrators."""
         return scene_of(self._call(
             lambda stubs: stubs.scenes.LoadScene, scenes_pb2.LoadSceneRequest(
-                scene=name, model_version=model_version), timeout_s).scene)
+                scene=name, model_version=model_version), timeout_s,
+            name).scene)
 
     def unload_scene(self, name: str, model_version: str = "", *,
                      timeout_s: float | None = None) -> Scene:
@@ -161,7 +162,8 @@ class Client:
         return scene_of(self._call(
             lambda stubs: stubs.scenes.UnloadScene,
             scenes_pb2.UnloadSceneRequest(
-                scene=name, model_version=model_version), timeout_s).scene)
+                scene=name, model_version=model_version), timeout_s,
+            name).scene)
 
     def health(self, scene: str | None = None, *,
                timeout_s: float | None = None) -> str:

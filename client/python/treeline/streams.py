@@ -70,7 +70,8 @@ def stream(connection: Connection, frames: Iterable[Query | Image],
         drop_oldest=drop_oldest, max_pending=max_pending))
     with connection.stubs() as stubs:
         call = stubs.relocalization.LocalizeStream(
-            iter(requests), timeout=timeout_s, metadata=connection.metadata())
+            iter(requests), timeout=timeout_s,
+            metadata=connection.metadata(fields.get("scene")))
         try:
             for index, response in enumerate(call):
                 if response.id != index or not requests.unanswered:

@@ -339,6 +339,22 @@ test('a server says whether it is ready', async (t) => {
   }
 });
 
+test('a balancer is told of the scene where that is wanted', async (t) => {
+  const named: (string | null)[] = [];
+  const localize: Localize = (_, { requestHeader }) => {
+    named.push(requestHeader.get('X-Treeline-Scene'));
+    return LOCALIZED;
+  };
+  const { url } = await serverOf(t, localize);
+  const silent = new TreelineClient({ servers: url });
+  const naming = new TreelineClient({ servers: url, sceneHeader: true });
+  await silent.localize({ color: PICTURE, scene: 'kitchen' });
+  await naming.localize({ color: PICTURE, scene: 'kitchen-2.new_1' });
+  await naming.localize({ color: PICTURE });
+  await naming.localize({ color: PICTURE, scene: 'k\u00fcche\n' });
+  assert.deepEqual(named, [null, 'kitchen-2.new_1', null, null]);
+});
+
 test('what is no URL is refused', () => {
   assert.throws(() => new TreelineClient({ servers: [] }), TypeError);
   assert.throws(() => new TreelineClient({ servers: 'robot:8080' }), TypeError);

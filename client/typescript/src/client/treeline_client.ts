@@ -41,6 +41,11 @@ export interface ClientOptions {
    * timeoutMs, so that one that hangs does not take all the time. */
   readonly attemptTimeoutMs?: number;
   readonly retry?: Partial<RetryPolicy>;
+  /** Names the scene in the header X-Treeline-Scene too, so that a balancer can
+   * choose the server by it. Not of localizeLatest() over a WebSocket. Pages of
+   * another origin need servers that allow the header, as those of this version
+   * do. Default: false. */
+  readonly sceneHeader?: boolean;
   readonly fetch?: Fetch;
   /** Opens WebSockets for localizeLatest(); null: it makes calls. Default: the
    * one of this browser or Node, which has one from version 22 on. */
@@ -66,6 +71,7 @@ export interface ServerHealth {
 }
 
 const DEFAULT_TIMEOUT_MS = 10_000;
+const IS_SCENE_NAME = /^[\w.-]{1,128}$/;
 
 type Streams = ReadonlyMap<string, LocalizeStream>;
 
@@ -126,6 +132,7 @@ export class TreelineClient {
   private readonly timeoutMs: number;
   private readonly attemptTimeoutMs: number | undefined;
   private readonly policy: RetryPolicy;
+  private readonly sceneHeader: boolean;
   private readonly fetch: Fetch;
   private readonly tools: Tools;
   private readonly makeSocket: MakeSocket | null;
@@ -141,6 +148,7 @@ export class TreelineClient {
     this.timeoutMs = options.timeoutMs ?? DEFAULT_TIMEOUT_MS;
     this.attemptTimeoutMs = options.attemptTimeoutMs;
     this.policy = { ...DEFAULT_RETRY, ...options.retry };
+    this.sceneHeader = options.sceneHeader ?? false;
     // A browser's fetch wants to be called as a method of its window.
     this.fetch = options.fetch ?? ((...args) => globalThis.fetch(...args));
     this.tools = options.tools ?? SYSTEM_TOOLS;
@@ -187,8 +195,8 @@ export class TreelineClient {
 
   /** One scene; rejects with `not_found` if there is no such scene. */
   scene(name: string, options: CallOptions = {}): Promise<Scene> {
-    return this.call(
-        options, (server, connect) => server.getScene(name, connect));
+    return this.call(options,
+        (server, connect) => server.getScene(name, connect), name);
   }
 
   /** Points, keyframes and coverage of a scene. Rejects with
@@ -196,7 +204,7 @@ export class TreelineClient {
   sceneMap(name: string, want: SceneMapOptions = {}, options: CallOptions = {}):
       Promise<SceneMap> {
     return this.call(options, (server, connect) =>
-      server.sceneMap(name, want, connect));
+      server.sceneMap(name, want, connect), name);
   }
 
   /** What became of the latest queries in a scene, the newest first. Rejects
@@ -204,7 +212,7 @@ export class TreelineClient {
   recentQueries(name: string, options: CallOptions = {}):
       Promise<readonly RecentQuery[]> {
     return this.call(options, (server, connect) =>
-      server.recentQueries(name, connect));
+      server.recentQueries(name, connect), name);
   }
 
   /**
@@ -255,7 +263,7 @@ export class TreelineClient {
       const answer = await this.askStream(
           streams?.get(attempt.server), request, attempt);
       return answer ?? this.servers.get(attempt.server)!.localize(
-          request, await this.connectOptions(attempt));
+          request, await this.connectOptions(attempt, query.scene));
     });
     return answerOf(response, this.tools.nowMs() - startMs);
   }
@@ -296,20 +304,20 @@ export class TreelineClient {
   }
 
   private call<T>(options: CallOptions,
-      ask: (server: Server, options: ConnectOptions) => Promise<T>):
-      Promise<T> {
+      ask: (server: Server, options: ConnectOptions) => Promise<T>,
+      scene?: string): Promise<T> {
     return this.attempt(options, async (attempt) => ask(
         this.servers.get(attempt.server)!,
-        await this.connectOptions(attempt)));
+        await this.connectOptions(attempt, scene)));
   }
 
-  private async connectOptions({ timeoutMs, signal }: Attempt):
-      Promise<ConnectOptions> {
+  private async connectOptions({ timeoutMs, signal }: Attempt,
+      scene: string | undefined): Promise<ConnectOptions> {
     return {
       // The protocol has whole milliseconds, and none of 0.
       timeoutMs: Math.max(1, Math.floor(timeoutMs)),
       signal,
-      headers: await this.authorization(),
+      headers: { ...await this.authorization(), ...this.sceneNamed(scene) },
     };
   }
 
@@ -336,6 +344,13 @@ export class TreelineClient {
       throw new TreelineError('unauthenticated',
           'the provider of tokens has none', '', {}, null, { cause: error });
     }
+  }
+
+  // What is no name goes in the request alone, which the server answers; fetch
+  // would refuse some as a header.
+  private sceneNamed(scene = ''): Record<string, string> {
+    return this.sceneHeader && IS_SCENE_NAME.test(scene) ?
+      { 'X-Treeline-Scene': scene } : {};
   }
 
   private async authorization(): Promise<Record<string, string>> {
