@@ -1,6 +1,8 @@
 // The AR page: a camera, the server's answers, and notes in the world.
 
+import './common/page.css';
 import './style.css';
+import './ar.css';
 
 import { TreelineClient, TreelineError, type DriftState, type Scene } from
   '@treeline/client';
@@ -377,6 +379,8 @@ class ArPage {
     this.notesCard.say(saveNotes(localStorage, scene, this.notes) ? done :
       'This browser keeps nothing: the notes last as long as this page.');
     this.showNotes();
+    // Buttons of notes are new ones now; who wrote goes on where he was.
+    if (note !== null) this.notesCard.focus(note.id);
   }
 }
 

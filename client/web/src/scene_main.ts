@@ -1,6 +1,7 @@
 // The scene page: what a model knows, where it will work, and what became of
 // the latest queries.
 
+import './common/page.css';
 import './style.css';
 import './scene.css';
 

@@ -17,6 +17,7 @@ import { MapBar, type Tool } from './panels/map_bar.js';
 import { Scale } from './panels/map_help.js';
 import { SimulationPanel } from './panels/simulation_panel.js';
 import { LostPanel, StatusPanel } from './panels/status_panel.js';
+import './common/page.css';
 import './style.css';
 import { MapView } from './view/map_view.js';
 import { Placing, type Placed } from './view/placing.js';

@@ -19,10 +19,12 @@ export class NotesCard {
       el('p', { class: 'detail', id: 'note-message',
         attributes: { role: 'status' } });
 
+  private readonly pin: HTMLButtonElement;
+
   constructor(private readonly events: NotesCardEvents) {
+    this.pin = button('Pin a note at the cross', events.onPin, { id: 'pin' });
     this.element = card('Notes', 'notes-card', this.empty, this.list,
-        this.message,
-        button('Pin a note at the cross', events.onPin, { id: 'pin' }));
+        this.message, this.pin);
   }
 
   setNotes(notes: readonly Note[]): void {
@@ -30,7 +32,13 @@ export class NotesCard {
     this.list.replaceChildren(...notes.map((note) => el('li', {},
         el('span', { class: 'note-text' }, note.text),
         button('Edit', () => this.events.onEdit(note),
-            { attributes: { 'aria-label': `Edit the note: ${note.text}` } }))));
+            { id: `edit-${note.id}`,
+              attributes: { 'aria-label': `Edit the note: ${note.text}` } }))));
+  }
+
+  /** To the note's button or, where it is gone, to what pins another. */
+  focus(noteId: string): void {
+    (document.getElementById(`edit-${noteId}`) ?? this.pin).focus();
   }
 
   say(text: string): void {

@@ -199,8 +199,8 @@ export class Stage {
       const x = at === null ? -1 : (at.xPx + 0.5) / picture!.camera.widthPx;
       const y = at === null ? -1 : (at.yPx + 0.5) / picture!.camera.heightPx;
       setShown(label, x >= 0 && x <= 1 && y >= 0 && y <= 1);
-      label.style.left = `${100 * x}%`;
-      label.style.top = `${100 * y}%`;
+      label.style.setProperty('--x', `${100 * x}%`);
+      label.style.setProperty('--y', `${100 * y}%`);
     }
   }
 
