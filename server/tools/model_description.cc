@@ -41,6 +41,11 @@ DescriptionSection Origin(const forest::ModelInfo& model) {
       {"by", absl::StrCat("treeline ", OrUnknown(model.software_version))},
       {"seed", absl::StrCat(model.seed)},
   };
+  if (model.part) {
+    section.rows.push_back(
+        {"part", absl::StrCat("tree ", model.part->tree, " of ",
+                              model.part->trees, ", for `treeline merge`")});
+  }
   // A baseline is no file.
   if (model.format_version > 0) {
     section.rows.push_back({"checksum", OrUnknown(model.checksum)});

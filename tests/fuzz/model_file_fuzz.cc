@@ -15,6 +15,8 @@
 #include "common/base/file.h"
 #include "server/core/forest/backtracking.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/training/quantize_forest.h"
+#include "server/core/training/tree_part.h"
 
 namespace treeline {
 namespace {
@@ -70,7 +72,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         path, static_cast<treeline::forest::ModelExtra>(kind), 1 << 20);
     if (extra.ok() && extra->size() > file.size()) std::abort();
   }
+  const auto part = treeline::training::ReadTreePart(path);
   unlink(path.c_str());
+  for (size_t t = 0; part.ok() && t < part->trees.size(); ++t) {
+    const treeline::forest::Forest forest =
+        treeline::training::QuantizeForest({part->trees[t]});
+    if (!forest.View().Validate().ok()) std::abort();
+  }
   for (size_t f = 0; model.ok() && f < (*model)->forests(); ++f) {
     const treeline::forest::ForestView& forest = (*model)->forest(f);
     if (forest.trees() <= 64 && forest.sift_descriptors.empty()) {

@@ -7,17 +7,22 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/random.h"
 #include "common/camera/derived_camera.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/forest/model_file.h"
 #include "server/core/keyframes/direct_alignment.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/recognition/scene_index.h"
 #include "server/core/training/appearance_builder.h"
 #include "server/core/training/box_room_recording.h"
+#include "server/core/training/tree_part.h"
 #include "server/core/training/trial_views.h"
 
 namespace treeline {
@@ -344,6 +349,159 @@ TEST_F(SceneTrainerTest, ExplainsBadRequests) {
                 .code(),
             absl::StatusCode::kCancelled);
   EXPECT_FALSE(std::filesystem::exists(Path("x")));
+}
+
+// The bytes of all forests and extra sections of a model, one after the other.
+std::string ContentOf(const std::string& path) {
+  const auto model = forest::ModelFile::Open(path);
+  EXPECT_TRUE(model.ok()) << model.status();
+  std::string content;
+  const auto add = [&](const auto& values) {
+    content.append(reinterpret_cast<const char*>(values.data()),
+                   values.size_bytes());
+    content += '|';
+  };
+  for (size_t f = 0; f < (*model)->forests(); ++f) {
+    const forest::ForestView& forest = (*model)->forest(f);
+    add(forest.nodes);
+    add(forest.tree_offsets);
+    add(forest.descriptors);
+    add(forest.payloads);
+    add(std::span(&forest.bounds_min_in_world, 1));
+    add(std::span(&forest.bounds_max_in_world, 1));
+  }
+  for (uint32_t kind = 8; kind < 32; ++kind) {
+    add(*(*model)->Extra<char>(static_cast<forest::ModelExtra>(kind)));
+  }
+  return content;
+}
+
+class PartsTest : public SceneTrainerTest {
+ protected:
+  // Grows each tree by itself; the files, last tree first.
+  static std::vector<std::string> GrowParts(
+      const training::SceneTrainingOptions& options) {
+    std::vector<std::string> paths;
+    for (int tree = options.forest.trees - 1; tree >= 0; --tree) {
+      paths.push_back(Path(absl::StrCat("part-", options.method, "-", tree)));
+      const auto part =
+          training::TrainTree(*dataset_, options, tree, paths.back(), true, {});
+      EXPECT_TRUE(part.ok()) << part.status();
+    }
+    return paths;
+  }
+  static absl::StatusOr<training::TrainedScene> Merge(
+      const dataset::Dataset& dataset, const std::vector<std::string>& parts,
+      const std::string& version = "") {
+    training::SceneTrainingOptions options;
+    options.software_version = version;
+    return training::MergeScene(dataset, parts, options, Path("merged"), true,
+                                {});
+  }
+  static void ExpectSameAsAlone(const std::string& method) {
+    const training::SceneTrainingOptions options = Options(method);
+    const auto alone = Train(*dataset_, options, "alone");
+    ASSERT_TRUE(alone.ok()) << alone.status();
+    const auto merged = Merge(*dataset_, GrowParts(options));
+    ASSERT_TRUE(merged.ok()) << merged.status();
+    EXPECT_TRUE(ContentOf(Path("merged")) == ContentOf(Path("alone")));
+    EXPECT_EQ(merged->info.training_frames, alone->info.training_frames);
+    EXPECT_EQ(merged->info.training_samples, alone->info.training_samples);
+    EXPECT_FALSE(merged->info.part.has_value());
+    ASSERT_TRUE(merged->info.confidence && alone->info.confidence);
+    EXPECT_EQ(merged->info.confidence->threshold,
+              alone->info.confidence->threshold);
+    EXPECT_EQ(merged->info.confidence->weights,
+              alone->info.confidence->weights);
+  }
+};
+
+TEST_F(PartsTest, ManyMachinesMakeTheSceneOfOne) {
+  ExpectSameAsAlone("universal");
+}
+
+TEST_F(PartsTest, ManyMachinesMakeTheSceneOfOneWithTwoForests) {
+  ExpectSameAsAlone("points-lines");
+}
+
+TEST_F(PartsTest, APartAnswersNoQueriesAndSaysWhatToDo) {
+  const std::string part = GrowParts(Options("rgbd")).front();
+  const auto localizer = localizer::OpenLocalizer(part);
+  EXPECT_EQ(localizer.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(localizer.status().message(), HasSubstr("treeline merge"));
+}
+
+TEST_F(PartsTest, PartsThatMakeNoSceneAreRefusedByName) {
+  const std::vector<std::string> parts = GrowParts(Options("rgbd"));
+  EXPECT_THAT(Merge(*dataset_, {}).status().message(), HasSubstr("no parts"));
+  EXPECT_THAT(Merge(*dataset_, {parts[0], parts[2]}).status().message(),
+              HasSubstr("tree 1 of 3 is missing"));
+  EXPECT_THAT(Merge(*dataset_, {parts[0], parts[1], parts[1], parts[2]})
+                  .status()
+                  .message(),
+              HasSubstr("are both tree 1"));
+  EXPECT_THAT(Merge(*dataset_, parts, "9.9").status().message(),
+              HasSubstr("this is 9.9"));
+
+  const std::vector<int> fewer = {0, 1, 2, 3};
+  EXPECT_THAT(Merge(dataset_->Subset(fewer), parts).status().message(),
+              HasSubstr("not the frames and poses"));
+
+  training::SceneTrainingOptions other = Options("rgbd");
+  other.forest.seed = 7;
+  ASSERT_TRUE(
+      training::TrainTree(*dataset_, other, 1, Path("seed"), true, {}).ok());
+  EXPECT_THAT(
+      Merge(*dataset_, {parts[0], Path("seed"), parts[2]}).status().message(),
+      HasSubstr("differ in seed: 0 and 7"));
+
+  other = Options("rgbd");
+  other.calibration->depth_scale = 1.001;
+  ASSERT_TRUE(
+      training::TrainTree(*dataset_, other, 1, Path("scaled"), true, {}).ok());
+  EXPECT_THAT(
+      Merge(*dataset_, {parts[0], Path("scaled"), parts[2]}).status().message(),
+      HasSubstr("differ in calibration"));
+
+  ASSERT_TRUE(Train(*dataset_, Options("rgbd"), "whole").ok());
+  EXPECT_THAT(Merge(*dataset_, {Path("whole")}).status().message(),
+              HasSubstr("a whole scene"));
+}
+
+TEST_F(PartsTest, ATreeIsGrownAloneOnlyWhereThatIsPossible) {
+  const auto grow = [](const training::SceneTrainingOptions& options,
+                       int tree) {
+    return training::TrainTree(*dataset_, options, tree, Path("no"), true, {})
+        .status();
+  };
+  EXPECT_THAT(grow(Options("rgbd"), 3).message(),
+              HasSubstr("no tree 3 among 3"));
+  EXPECT_EQ(grow(Options("rgbd"), -1).code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(grow(Options("sift"), 0).code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_FALSE(std::filesystem::exists(Path("no")));
+}
+
+TEST_F(PartsTest, PartsThatContradictThemselvesAreRefused) {
+  const std::string path = GrowParts(Options("rgbd")).front();
+  const auto part = training::ReadTreePart(path);
+  ASSERT_TRUE(part.ok()) << part.status();
+
+  training::TreePart nowhere = *part;
+  nowhere.trees.front().leaves.front().mean_in_world.x = 1e300;
+  ASSERT_TRUE(training::WriteTreePart(Path("nowhere"), nowhere).ok());
+  EXPECT_EQ(training::ReadTreePart(Path("nowhere")).status().code(),
+            absl::StatusCode::kDataLoss);
+
+  // A forest too few for what the method learns.
+  training::TreePart lone = *part;
+  lone.info.part->trees = 1;
+  lone.info.part->tree = 0;
+  lone.trees.resize(1);
+  ASSERT_TRUE(training::WriteTreePart(Path("lone"), lone).ok());
+  EXPECT_THAT(Merge(*dataset_, {Path("lone")}).status().message(),
+              HasSubstr("has 2 forests to learn"));
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ enum class ModelExtra : uint32_t {
   kSceneDescriptor = 11,
   kKeyframeWords = 12,
   kKeyframeFeatureWords = 13,
+  kLeafMeans = 14,
 };
 
 // The bytes of one of them; they belong to somebody else.

@@ -15,6 +15,17 @@
 
 namespace treeline::forest {
 
+// Of a file that holds one tree of a scene whose trees are grown apart: which
+// one, and what the other trees must have been grown from, too.
+struct TreePartInfo {
+  int tree = 0;   // in [0, trees)
+  int trees = 0;  // of the whole scene, in [1, 64]
+  // Of the frames' names and poses, 16 hexadecimal digits.
+  std::string frames_checksum;
+
+  friend bool operator==(const TreePartInfo&, const TreePartInfo&) = default;
+};
+
 // Provenance, calibration and summary of a trained scene.
 struct ModelInfo {
   uint32_t format_version = 0;
@@ -40,6 +51,9 @@ struct ModelInfo {
   // Median distance from a training camera to a point it observed (world
   // units): the scale of errors where units are arbitrary. 0: not known.
   double viewing_distance = 0;
+  // Present in a part of a scene, which answers no queries: see
+  // server/core/training/tree_part.h.
+  std::optional<TreePartInfo> part;
   int training_frames = 0;
   int64_t training_samples = 0;
   double training_s = 0;

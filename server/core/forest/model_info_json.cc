@@ -47,6 +47,20 @@ absl::StatusOr<features::SiftKind> SiftKindFromName(const std::string& name) {
       "keyframes have SIFT of a kind unknown to this version: ", name));
 }
 
+constexpr int kMaxTrees = 64;
+
+absl::StatusOr<TreePartInfo> PartFromJson(const Json& json) {
+  TreePartInfo part;
+  part.tree = json.at("tree").get<int>();
+  part.trees = json.at("trees").get<int>();
+  part.frames_checksum = json.at("frames_checksum").get<std::string>();
+  if (part.trees < 1 || part.trees > kMaxTrees || part.tree < 0 ||
+      part.tree >= part.trees) {
+    return absl::DataLossError("it is no part of a forest of 1 to 64 trees");
+  }
+  return part;
+}
+
 absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
   ModelInfo info;
   info.method = root.at("method").get<std::string>();
@@ -75,6 +89,9 @@ absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
     TL_ASSIGN_OR_RETURN(
         info.keyframe_sift,
         SiftKindFromName(root.at("keyframes").at("sift").get<std::string>()));
+  }
+  if (root.contains("part")) {
+    TL_ASSIGN_OR_RETURN(info.part, PartFromJson(root.at("part")));
   }
   const Json& training = root.at("training");
   info.training_frames = training.at("frames").get<int>();
@@ -105,6 +122,11 @@ std::string ModelInfoToJson(const ModelInfo& info) {
         {"seconds", info.training_s}}}};
   if (info.keyframe_sift == features::SiftKind::kFast) {
     json["keyframes"] = {{"sift", kFastSiftName}};
+  }
+  if (info.part) {
+    json["part"] = {{"tree", info.part->tree},
+                    {"trees", info.part->trees},
+                    {"frames_checksum", info.part->frames_checksum}};
   }
   if (info.confidence) json["confidence"] = ConfidenceToJson(*info.confidence);
   // Names from the command line may hold anything: never throw over them.

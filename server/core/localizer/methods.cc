@@ -101,6 +101,11 @@ void AddUniversalSteps(const forest::ModelFile& model,
 absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
                                   const QueryOptions& options) {
   const std::string& name = model.info().method;
+  if (const auto& part = model.info().part) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "a part of a scene, tree ", part->tree, " of ", part->trees,
+        ", answers no queries; make the scene with `treeline merge`"));
+  }
   if (name == "sift") return MakeSift(model, options);
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<const KeyframeVerifier> verifier,

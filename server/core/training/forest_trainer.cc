@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -36,6 +36,29 @@ std::vector<int> DrawFrames(std::vector<int> frames, int count,
   return frames;
 }
 
+// Of each tree, the frames that it is grown from.
+std::vector<std::vector<int>> DrawFramesOfTrees(
+    const std::vector<int>& usable, const TrainingOptions& options) {
+  std::vector<std::vector<int>> frames_of_tree;
+  for (int t = 0; t < options.trees; ++t) {
+    frames_of_tree.push_back(DrawFrames(
+        usable, options.frames_per_tree,
+        base::Random(options.seed, kFrameStream + static_cast<uint64_t>(t))));
+  }
+  return frames_of_tree;
+}
+
+// Distinct frames of some trees, in ascending order.
+std::vector<int> Union(std::span<const std::vector<int>> frames_of_tree) {
+  std::vector<int> frames;
+  for (const std::vector<int>& of_tree : frames_of_tree) {
+    frames.insert(frames.end(), of_tree.begin(), of_tree.end());
+  }
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
 // A frame in memory, and its samples for each tree that drew it.
 struct LoadedFrame {
   absl::Status status;
@@ -54,12 +77,12 @@ class Trainer {
         quiet_(quiet),
         stop_(std::move(stop)) {}
 
-  absl::StatusOr<TrainedForest> Train();
+  absl::StatusOr<GrownTrees> Grow(TreeRange range);
 
  private:
   // Trees [first, last) are grown together.
   absl::Status TrainGroup(int first, int last);
-  int GroupEnd(int first) const;
+  int GroupEnd(int first, int end) const;
   std::vector<int> FramesOfGroup(int first, int last) const;
   absl::Status LoadFrame(int frame, int first_tree, int last_tree,
                          LoadedFrame& loaded) const;
@@ -77,11 +100,10 @@ class Trainer {
   const bool quiet_;
   const std::stop_token stop_;
   std::vector<std::vector<int>> frames_of_tree_;
-  std::vector<GrownTree> grown_;
-  TrainedForest result_;
+  GrownTrees result_;
 };
 
-absl::StatusOr<TrainedForest> Trainer::Train() {
+absl::StatusOr<GrownTrees> Trainer::Grow(TreeRange range) {
   const std::vector<int> usable = UsableFrames(dataset_);
   if (usable.empty()) {
     return absl::FailedPreconditionError(
@@ -89,43 +111,26 @@ absl::StatusOr<TrainedForest> Trainer::Train() {
                      ": no frame has both a pose and depth, so there is "
                      "nothing to learn from"));
   }
-  std::vector<int> used;
-  for (int t = 0; t < options_.trees; ++t) {
-    frames_of_tree_.push_back(DrawFrames(
-        usable, options_.frames_per_tree,
-        base::Random(options_.seed, kFrameStream + static_cast<uint64_t>(t))));
-    used.insert(used.end(), frames_of_tree_.back().begin(),
-                frames_of_tree_.back().end());
-  }
-  std::sort(used.begin(), used.end());
-  result_.frames =
-      static_cast<int>(std::unique(used.begin(), used.end()) - used.begin());
-  grown_.resize(static_cast<size_t>(options_.trees));
-  for (int first = 0; first < options_.trees;) {
-    const int last = GroupEnd(first);
+  frames_of_tree_ = DrawFramesOfTrees(usable, options_);
+  for (int first = range.first; first < range.last;) {
+    const int last = GroupEnd(first, range.last);
     TL_RETURN_IF_ERROR(TrainGroup(first, last));
     first = last;
   }
-  result_.forest = QuantizeForest(std::move(grown_));
   return std::move(result_);
 }
 
 std::vector<int> Trainer::FramesOfGroup(int first, int last) const {
-  std::vector<int> frames;
-  for (int t = first; t < last; ++t) {
-    const std::vector<int>& of_tree = frames_of_tree_[static_cast<size_t>(t)];
-    frames.insert(frames.end(), of_tree.begin(), of_tree.end());
-  }
-  std::sort(frames.begin(), frames.end());
-  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
-  return frames;
+  return Union(std::span(frames_of_tree_)
+                   .subspan(static_cast<size_t>(first),
+                            static_cast<size_t>(last - first)));
 }
 
-int Trainer::GroupEnd(int first) const {
+int Trainer::GroupEnd(int first, int end) const {
   const camera::Camera& camera = geometry_.calibration().color;
   const int64_t image_bytes = int64_t{3} * camera.width() * camera.height();
   int last = first + 1;
-  while (last < options_.trees &&
+  while (last < end &&
          image_bytes *
                  static_cast<int64_t>(FramesOfGroup(first, last + 1).size()) <=
              options_.image_memory_bytes) {
@@ -233,7 +238,7 @@ absl::Status Trainer::GrowGroup(int first, int last,
                     });
   TL_RETURN_IF_ERROR(CheckStop());
   for (size_t g = 0; g < trees; ++g) {
-    grown_[static_cast<size_t>(first) + g] = growers[g]->Assemble();
+    result_.trees.push_back(growers[g]->Assemble());
     result_.samples += static_cast<int64_t>(samples[g].size());
   }
   return absl::OkStatus();
@@ -241,15 +246,43 @@ absl::Status Trainer::GrowGroup(int first, int last,
 
 }  // namespace
 
-absl::StatusOr<TrainedForest> TrainForest(
-    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
-    const TrainingOptions& options, bool quiet, std::stop_token stop) {
+absl::StatusOr<GrownTrees> GrowTrees(const dataset::Dataset& dataset,
+                                     const camera::RgbdCalibration& calibration,
+                                     const TrainingOptions& options,
+                                     TreeRange range, bool quiet,
+                                     std::stop_token stop) {
   TL_RETURN_IF_ERROR(options.Validate());
+  if (range.first < 0 || range.first >= range.last ||
+      range.last > options.trees) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("trees ", range.first, " to ", range.last - 1,
+                     " are not in a forest of ", options.trees));
+  }
   if (calibration.pose_sensor != dataset.calibration().pose_sensor) {
     return absl::InvalidArgumentError(
         "the calibration's poses are of another sensor than the dataset's");
   }
-  return Trainer(dataset, calibration, options, quiet, std::move(stop)).Train();
+  return Trainer(dataset, calibration, options, quiet, std::move(stop))
+      .Grow(range);
+}
+
+int CountDrawnFrames(const dataset::Dataset& dataset,
+                     const TrainingOptions& options) {
+  return static_cast<int>(
+      Union(DrawFramesOfTrees(UsableFrames(dataset), options)).size());
+}
+
+absl::StatusOr<TrainedForest> TrainForest(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const TrainingOptions& options, bool quiet, std::stop_token stop) {
+  TL_ASSIGN_OR_RETURN(GrownTrees grown,
+                      GrowTrees(dataset, calibration, options,
+                                {0, options.trees}, quiet, std::move(stop)));
+  TrainedForest trained;
+  trained.frames = CountDrawnFrames(dataset, options);
+  trained.samples = grown.samples;
+  trained.forest = QuantizeForest(std::move(grown.trees));
+  return trained;
 }
 
 }  // namespace treeline::training

@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <stop_token>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/camera/rgbd_calibration.h"
 #include "common/dataset/dataset.h"
 #include "server/core/forest/forest.h"
 #include "server/core/training/training_options.h"
+#include "server/core/training/tree_grower.h"
 
 namespace treeline::training {
 
@@ -18,6 +20,31 @@ struct TrainedForest {
   int frames = 0;       // distinct frames that were used
   int64_t samples = 0;  // over all trees
 };
+
+// Trees of a forest, before positions are stored relative to the bounds of all.
+struct GrownTrees {
+  std::vector<GrownTree> trees;
+  int64_t samples = 0;  // over these trees
+};
+
+// Trees [first, last) of the options.trees of a forest.
+struct TreeRange {
+  int first = 0;
+  int last = 0;
+};
+
+// Grows some of the trees that TrainForest would grow: each is the same to the
+// bit, whichever are grown with it. Errors as TrainForest, and INVALID_ARGUMENT
+// for a range that is empty or not within [0, options.trees).
+absl::StatusOr<GrownTrees> GrowTrees(const dataset::Dataset& dataset,
+                                     const camera::RgbdCalibration& calibration,
+                                     const TrainingOptions& options,
+                                     TreeRange range, bool quiet,
+                                     std::stop_token stop);
+
+// How many distinct frames of `dataset` all trees of a forest draw together.
+int CountDrawnFrames(const dataset::Dataset& dataset,
+                     const TrainingOptions& options);
 
 // Grows a forest (thesis 4.2.3) on the frames of `dataset` that have a pose
 // and depth. `calibration` holds for every frame; its pose_sensor must be the

@@ -19,6 +19,7 @@
 #include "server/core/training/keyframe_builder.h"
 #include "server/core/training/quantize_forest.h"
 #include "server/core/training/sift_scene_trainer.h"
+#include "server/core/training/tree_part.h"
 
 namespace treeline::training {
 namespace {
@@ -44,9 +45,19 @@ constexpr MethodDescription kMethods[] = {
      "the pose across their lines"},
 };
 
-bool IsKnown(absl::string_view method) {
-  return std::ranges::any_of(
-      kMethods, [&](const MethodDescription& m) { return m.name == method; });
+absl::Status CheckMethod(absl::string_view method) {
+  if (std::ranges::any_of(kMethods, [&](const MethodDescription& m) {
+        return m.name == method;
+      })) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("method \"", method, "\" is not known; see --help"));
+}
+
+absl::Status CheckOutput(const std::string& path) {
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(path));
+  return base::CheckWritable(path);
 }
 
 // Methods whose queries have no depth answer with the colour camera's pose.
@@ -97,10 +108,15 @@ absl::string_view BytesOf(const std::vector<T>& values) {
           values.size() * sizeof(T)};
 }
 
+// A scene is learnt twice: what is held out of the first round shows what its
+// answers are worth.
+enum class Round { kWithoutHeldOut, kAll };
+
 class SceneTrainer {
  public:
+  // `parts` may be empty; else all trees are theirs.
   SceneTrainer(const dataset::Dataset& dataset,
-               const SceneTrainingOptions& options,
+               const SceneTrainingOptions& options, std::vector<TreePart> parts,
                const std::string& output_path, bool quiet,
                const std::stop_token& stop)
       : dataset_(dataset),
@@ -108,7 +124,8 @@ class SceneTrainer {
         output_path_(output_path),
         quiet_(quiet),
         stop_(stop),
-        forests_(ForestsOf(options.method, options.forest)) {}
+        forests_(ForestsOf(options.method, options.forest)),
+        parts_(std::move(parts)) {}
 
   absl::StatusOr<TrainedScene> Train() {
     TL_RETURN_IF_ERROR(OpenBase());
@@ -116,27 +133,49 @@ class SceneTrainer {
     Describe();
     if (options_.splits_only) {
       Learned learned;
-      TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset_));
+      TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset_, Round::kAll));
       for (TrainedForest& f : learned.forests) {
         f.forest = SplitsOf(f.forest.View());
       }
       return Finish(learned);
     }
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
+    TL_RETURN_IF_ERROR(CheckParts(split));
     if (split.held_out.empty() || is_extending()) {
-      TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
+      TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_, Round::kAll));
       if (is_extending()) info_.confidence = base_->info().confidence;
       return Finish(learned);
     }
     // Learn from a part and see how the rest is answered; then learn it all.
     {
-      TL_ASSIGN_OR_RETURN(const Learned part,
-                          Learn(dataset_.Subset(split.train)));
+      TL_ASSIGN_OR_RETURN(
+          const Learned part,
+          Learn(dataset_.Subset(split.train), Round::kWithoutHeldOut));
       TL_RETURN_IF_ERROR(
           FitConfidenceOn(part, dataset_.Subset(split.held_out)));
     }
-    TL_ASSIGN_OR_RETURN(const Learned whole, Learn(dataset_));
+    TL_ASSIGN_OR_RETURN(const Learned whole, Learn(dataset_, Round::kAll));
     return Finish(whole);
+  }
+
+  absl::StatusOr<TrainedScene> TrainTree(int tree) {
+    TL_RETURN_IF_ERROR(Calibrate());
+    Describe();
+    TreePart part;
+    const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
+    if (!split.held_out.empty()) {
+      TL_RETURN_IF_ERROR(
+          GrowTree(dataset_.Subset(split.train), tree, part).status());
+    }
+    TL_ASSIGN_OR_RETURN(info_.training_samples, GrowTree(dataset_, tree, part));
+    info_.training_frames = CountDrawnFrames(dataset_, forests_.front());
+    info_.training_s = base::MillisecondsBetween(start_, clock_.Now()) / 1e3;
+    info_.part = {tree, options_.forest.trees, FramesChecksum(dataset_)};
+    part.info = info_;
+    TL_RETURN_IF_ERROR(WriteTreePart(output_path_, part));
+    TL_ASSIGN_OR_RETURN(part, ReadTreePart(output_path_));
+    scene_.info = std::move(part.info);
+    return std::move(scene_);
   }
 
  private:
@@ -146,8 +185,10 @@ class SceneTrainer {
   };
 
   absl::Status Calibrate() {
-    if (is_extending()) {  // the scene's cameras are known already
-      calibration_ = base_->info().calibration;
+    // Where the scene's cameras are known already.
+    if (is_extending() || !parts_.empty()) {
+      calibration_ = is_extending() ? base_->info().calibration
+                                    : parts_.front().info.calibration;
       calibration_.pose_sensor = dataset_.calibration().pose_sensor;
       return absl::OkStatus();
     }
@@ -172,7 +213,7 @@ class SceneTrainer {
     if (options_.base_model.empty()) return absl::OkStatus();
     TL_ASSIGN_OR_RETURN(base_, forest::ModelFile::Open(options_.base_model));
     if (!HaveForestsAlike(base_->info().method, options_.method) ||
-        base_->forests() != forests_.size() ||
+        base_->forests() != forests_.size() || base_->info().part ||
         base_->forest().descriptors.empty()) {
       return absl::InvalidArgumentError(absl::StrCat(
           options_.base_model, ": a model of method ", base_->info().method,
@@ -210,10 +251,57 @@ class SceneTrainer {
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
 
+  // The tree of each forest; returns of how many samples.
+  absl::StatusOr<int64_t> GrowTree(const dataset::Dataset& dataset, int tree,
+                                   TreePart& part) const {
+    int64_t samples = 0;
+    for (const TrainingOptions& forest : forests_) {
+      TL_ASSIGN_OR_RETURN(GrownTrees grown,
+                          GrowTrees(dataset, calibration_, forest,
+                                    {tree, tree + 1}, quiet_, stop_));
+      samples += grown.samples;
+      part.trees.push_back(std::move(grown.trees.front()));
+    }
+    return samples;
+  }
+
+  // That the parts have a tree for each forest of each round.
+  absl::Status CheckParts(const HeldOutSplit& split) const {
+    const size_t rounds = split.held_out.empty() ? 1 : 2;
+    if (parts_.empty() ||
+        parts_.front().trees.size() == rounds * forests_.size()) {
+      return absl::OkStatus();
+    }
+    return absl::DataLossError(
+        absl::StrCat("corrupt parts: method ", options_.method, " has ",
+                     rounds * forests_.size(), " forests to learn, they have ",
+                     parts_.front().trees.size()));
+  }
+
+  TrainedForest ForestOfParts(size_t f, Round round) const {
+    TrainedForest learned;
+    std::vector<GrownTree> trees;
+    const size_t rounds = parts_.front().trees.size() / forests_.size();
+    const size_t i =
+        f + (round == Round::kAll ? rounds - 1 : 0) * forests_.size();
+    for (const TreePart& part : parts_) {
+      trees.push_back(part.trees[i]);
+      // Counted over all forests of a part.
+      if (f == 0) learned.samples += part.info.training_samples;
+    }
+    learned.frames = parts_.front().info.training_frames;
+    learned.forest = QuantizeForest(std::move(trees));
+    return learned;
+  }
+
   absl::StatusOr<std::vector<TrainedForest>> LearnForests(
-      const dataset::Dataset& dataset) const {
+      const dataset::Dataset& dataset, Round round) const {
     std::vector<TrainedForest> learned;
     for (size_t f = 0; f < forests_.size(); ++f) {
+      if (!parts_.empty()) {
+        learned.push_back(ForestOfParts(f, round));
+        continue;
+      }
       TL_ASSIGN_OR_RETURN(
           TrainedForest forest,
           base_ == nullptr
@@ -225,9 +313,10 @@ class SceneTrainer {
     return learned;
   }
 
-  absl::StatusOr<Learned> Learn(const dataset::Dataset& dataset) const {
+  absl::StatusOr<Learned> Learn(const dataset::Dataset& dataset,
+                                Round round) const {
     Learned learned;
-    TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset));
+    TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset, round));
     TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset));
     if (is_extending()) TL_RETURN_IF_ERROR(KeepKeyframes(learned.keyframes));
     return learned;
@@ -331,6 +420,11 @@ class SceneTrainer {
       info_.training_samples += f.samples;
     }
     info_.training_s = base::MillisecondsBetween(start_, clock_.Now()) / 1e3;
+    double longest_part_s = 0;
+    for (const TreePart& part : parts_) {
+      longest_part_s = std::max(longest_part_s, part.info.training_s);
+    }
+    info_.training_s += longest_part_s;
     TL_RETURN_IF_ERROR(Write(learned, output_path_));
     TL_ASSIGN_OR_RETURN(const std::unique_ptr<const forest::ModelFile> model,
                         forest::ModelFile::Open(output_path_));
@@ -346,6 +440,7 @@ class SceneTrainer {
   const base::SteadyClock clock_;
   const base::MonotonicTime start_ = clock_.Now();
   const std::vector<TrainingOptions> forests_;
+  const std::vector<TreePart> parts_;  // by tree
   camera::RgbdCalibration calibration_;
   std::unique_ptr<const forest::ModelFile> base_;
   forest::ModelInfo info_;
@@ -362,17 +457,73 @@ absl::StatusOr<TrainedScene> TrainScene(const dataset::Dataset& dataset,
                                         const std::string& output_path,
                                         bool quiet,
                                         const std::stop_token& stop) {
-  if (!IsKnown(options.method)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "method \"", options.method, "\" is not known; see --help"));
-  }
+  TL_RETURN_IF_ERROR(CheckMethod(options.method));
   if (options.method == "sift") {
     return TrainSiftScene(dataset, options, output_path, quiet, stop);
   }
   TL_RETURN_IF_ERROR(options.forest.Validate());
-  TL_RETURN_IF_ERROR(base::MakeParentFolder(output_path));
-  TL_RETURN_IF_ERROR(base::CheckWritable(output_path));
-  return SceneTrainer(dataset, options, output_path, quiet, stop).Train();
+  TL_RETURN_IF_ERROR(CheckOutput(output_path));
+  return SceneTrainer(dataset, options, {}, output_path, quiet, stop).Train();
+}
+
+absl::StatusOr<TrainedScene> TrainTree(const dataset::Dataset& dataset,
+                                       const SceneTrainingOptions& options,
+                                       int tree, const std::string& output_path,
+                                       bool quiet,
+                                       const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(CheckMethod(options.method));
+  if (options.method == "sift" || !options.base_model.empty() ||
+      options.splits_only) {
+    return absl::InvalidArgumentError(
+        "a tree is grown alone by a method with depth in training, without "
+        "another model to begin with; method sift grows all its trees "
+        "together");
+  }
+  TL_RETURN_IF_ERROR(options.forest.Validate());
+  if (tree < 0 || tree >= options.forest.trees) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("there is no tree ", tree, " among ", options.forest.trees,
+                     "; they count from 0"));
+  }
+  TL_RETURN_IF_ERROR(CheckOutput(output_path));
+  return SceneTrainer(dataset, options, {}, output_path, quiet, stop)
+      .TrainTree(tree);
+}
+
+absl::StatusOr<TrainedScene> MergeScene(const dataset::Dataset& dataset,
+                                        const std::vector<std::string>& parts,
+                                        SceneTrainingOptions options,
+                                        const std::string& output_path,
+                                        bool quiet,
+                                        const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(CheckOutput(output_path));
+  TL_ASSIGN_OR_RETURN(std::vector<TreePart> trees, ReadTreeParts(parts));
+  const forest::ModelInfo& info = trees.front().info;
+  TL_RETURN_IF_ERROR(CheckMethod(info.method));
+  if (info.method == "sift") {
+    return absl::DataLossError("corrupt parts: method sift has none");
+  }
+  if (info.software_version != options.software_version) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the parts were grown by version ", info.software_version,
+                     ", and this is ", options.software_version));
+  }
+  if (info.part->frames_checksum != FramesChecksum(dataset)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(dataset.uri(),
+                     ": not the frames and poses that the parts were grown "
+                     "from (",
+                     info.dataset, ")"));
+  }
+  options.method = info.method;
+  options.forest.seed = info.seed;
+  options.forest.trees = info.part->trees;
+  options.recorded_options = info.options;
+  options.base_model.clear();
+  options.splits_only = false;
+  return SceneTrainer(dataset, options, std::move(trees), output_path, quiet,
+                      stop)
+      .Train();
 }
 
 }  // namespace treeline::training

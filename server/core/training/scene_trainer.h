@@ -67,6 +67,28 @@ absl::StatusOr<TrainedScene> TrainScene(const dataset::Dataset& dataset,
                                         bool quiet,
                                         const std::stop_token& stop);
 
+// The same by many machines. Each grows one tree, in [0, options.forest.trees),
+// and writes it to output_path; options are those of TrainScene, without
+// base_model and splits_only. Errors as TrainScene; INVALID_ARGUMENT for such a
+// tree or for method sift, whose trees are grown together.
+absl::StatusOr<TrainedScene> TrainTree(const dataset::Dataset& dataset,
+                                       const SceneTrainingOptions& options,
+                                       int tree, const std::string& output_path,
+                                       bool quiet, const std::stop_token& stop);
+
+// Makes the scene of all its parts: the same file, to the bit, that TrainScene
+// would have written, but for created_utc and training_s (of which the latter
+// is the longest part's and that of merging). `dataset` has the frames that the
+// parts were grown from. Of `options`, software_version, created_utc, on_trials
+// and forest.threads count; the others are the parts'. Errors as TrainScene and
+// ReadTreeParts; INVALID_ARGUMENT if the dataset has other frames.
+absl::StatusOr<TrainedScene> MergeScene(const dataset::Dataset& dataset,
+                                        const std::vector<std::string>& parts,
+                                        SceneTrainingOptions options,
+                                        const std::string& output_path,
+                                        bool quiet,
+                                        const std::stop_token& stop);
+
 }  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SCENE_TRAINER_H_

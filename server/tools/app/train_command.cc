@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
@@ -32,7 +33,23 @@ Examples:
       --output models/kitchen/1/model.treeline
   treeline train --dataset tum:rgbd_dataset_freiburg1_desk \
       --output desk.treeline --trees 8 --seed 7
-  treeline train --map cafe-map --repository models)";
+  treeline train --map cafe-map --repository models
+
+Many machines learn a scene together: each grows a tree, as many as --trees
+says, and one makes the scene of them (treeline merge --help). It is the scene
+that a single machine would have learnt:
+  treeline train --dataset 7scenes:kitchen --tree 0 --output part-0.treeline)";
+
+constexpr const char* kMergeFooter = R"(
+The scene is the same, to the bit, that `treeline train` makes on one machine.
+What does not belong to a tree is made here: keyframes, confidence, the scene's
+descriptor. So the recording is needed, with the frames that the parts saw.
+
+Example:
+  for k in 0 1 2 3 4; do  # each on a machine of its own
+    treeline train --dataset 7scenes:kitchen --tree $k         --output part-$k.treeline
+  done
+  treeline merge part-*.treeline --dataset 7scenes:kitchen       --repository models --scene kitchen)";
 
 struct TrainFlags {
   dataset::DatasetOptions dataset;
@@ -46,6 +63,8 @@ struct TrainFlags {
   std::string extend_path;
   std::string trials_path;
   bool splits_only = false;
+  std::optional<int> tree;         // the only one to grow
+  std::vector<std::string> parts;  // of `merge`
   training::TrainingOptions training;
   training::SiftTrainingOptions sift;
   bool quiet = false;
@@ -126,34 +145,52 @@ std::string TrialsCsv(std::span<const training::ConfidenceTrial> trials) {
   return csv;
 }
 
+// What is told of a trained scene, and of each way to train one.
+training::SceneTrainingOptions CommonOptions(const TrainFlags& flags,
+                                             absl::Status& trials_written) {
+  training::SceneTrainingOptions options;
+  options.forest = flags.training;
+  options.software_version = base::Version();
+  options.created_utc = tools::UtcNow();
+  if (flags.trials_path.empty()) return options;
+  options.on_trials = [&flags, &trials_written](
+                          std::span<const training::ConfidenceTrial> trials) {
+    trials_written =
+        base::WriteFileAtomically(flags.trials_path, TrialsCsv(trials));
+  };
+  return options;
+}
+
+void PrintTrained(const std::string& path, const forest::ModelInfo& info) {
+  std::printf(
+      "%s: %d trees, %d leaves, %.1f MB, from %d frames in %.1f s (peak "
+      "memory %.0f MiB)\n",
+      path.c_str(), info.trees, static_cast<int>(info.leaves),
+      static_cast<double>(info.file_bytes) / 1e6, info.training_frames,
+      info.training_s,
+      static_cast<double>(tools::PeakMemoryBytes()) / (1 << 20));
+}
+
 absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(Complete(flags));
   TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
                       dataset::Dataset::Open(flags.dataset));
   TL_RETURN_IF_ERROR(
       learning::CheckLearnable(dataset, flags.method, flags.dataset.uri));
-  training::SceneTrainingOptions options;
+  absl::Status trials_written;
+  training::SceneTrainingOptions options = CommonOptions(flags, trials_written);
   options.method = flags.method;
   TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
   options.on_calibrated = [](const training::CalibrationReport& report) {
     std::fputs(tools::CalibrationText(report).c_str(), stdout);
     std::fflush(stdout);  // growing the forest takes a while
   };
-  options.forest = flags.training;
   options.base_model =
       flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
   options.refill = flags.adapt_path.empty() ? training::Refill::kExtend
                                             : training::Refill::kAdapt;
   options.splits_only = flags.splits_only;
-  absl::Status written;
-  if (!flags.trials_path.empty()) {
-    options.on_trials = [&](std::span<const training::ConfidenceTrial> trials) {
-      written = base::WriteFileAtomically(flags.trials_path, TrialsCsv(trials));
-    };
-  }
   options.sift = flags.sift;
-  options.software_version = base::Version();
-  options.created_utc = tools::UtcNow();
   options.recorded_options =
       flags.method == "sift"
           ? tools::RecordedSiftOptions(flags.dataset, flags.training,
@@ -161,18 +198,29 @@ absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
           : tools::RecordedOptions(flags.dataset, flags.calibration,
                                    flags.training, flags.adapt_path,
                                    flags.extend_path);
-  TL_ASSIGN_OR_RETURN(const training::TrainedScene scene,
-                      training::TrainScene(dataset, options, flags.output_path,
-                                           flags.quiet, stop));
-  TL_RETURN_IF_ERROR(written);
-  const forest::ModelInfo& info = scene.info;
-  std::printf(
-      "%s: %d trees, %d leaves, %.1f MB, from %d frames in %.1f s (peak "
-      "memory %.0f MiB)\n",
-      flags.output_path.c_str(), info.trees, static_cast<int>(info.leaves),
-      static_cast<double>(info.file_bytes) / 1e6, info.training_frames,
-      info.training_s,
-      static_cast<double>(tools::PeakMemoryBytes()) / (1 << 20));
+  TL_ASSIGN_OR_RETURN(
+      const training::TrainedScene scene,
+      flags.tree ? training::TrainTree(dataset, options, *flags.tree,
+                                       flags.output_path, flags.quiet, stop)
+                 : training::TrainScene(dataset, options, flags.output_path,
+                                        flags.quiet, stop));
+  TL_RETURN_IF_ERROR(trials_written);
+  PrintTrained(flags.output_path, scene.info);
+  return absl::OkStatus();
+}
+
+absl::Status Merge(TrainFlags& flags, const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(Complete(flags));
+  TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
+                      dataset::Dataset::Open(flags.dataset));
+  absl::Status trials_written;
+  TL_ASSIGN_OR_RETURN(
+      const training::TrainedScene scene,
+      training::MergeScene(dataset, flags.parts,
+                           CommonOptions(flags, trials_written),
+                           flags.output_path, flags.quiet, stop));
+  TL_RETURN_IF_ERROR(trials_written);
+  PrintTrained(flags.output_path, scene.info);
   return absl::OkStatus();
 }
 
@@ -239,6 +287,42 @@ void AddSiftFlags(CLI::App& command, training::SiftTrainingOptions& options) {
       "Random dimensions tried at a node", "N");
 }
 
+// What is learnt, and where the model goes.
+void AddPlaceFlags(CLI::App& command, TrainFlags& flags) {
+  tools::AddDatasetFlags(command, flags.dataset)->required(false);
+  command
+      .add_option("--map", flags.map,
+                  "Learn from the keyframes of this map bundle, of "
+                  "`treeline-agent map`, instead of a recording")
+      ->type_name("BUNDLE");
+  command.add_option("--output", flags.output_path, "Model file to write")
+      ->type_name("FILE");
+  command
+      .add_option("--repository", flags.repository,
+                  "Or: the server's folder of models. It becomes the scene's "
+                  "next version, which running servers then take")
+      ->type_name("DIR");
+  command
+      .add_option("--scene", flags.scene,
+                  "The scene's name in the repository (default: the map's)")
+      ->type_name("NAME");
+}
+
+// How it runs, and what it tells.
+void AddRunFlags(CLI::App& command, TrainFlags& flags) {
+  command
+      .add_option("--trials", flags.trials_path,
+                  "Write what the confidence was learnt from: evidence and "
+                  "error of each trial, as CSV")
+      ->type_name("FILE");
+  command
+      .add_option("--threads", flags.training.threads,
+                  "Threads; 0: one a processor")
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_flag("--quiet", flags.quiet, "Show no progress");
+}
+
 }  // namespace
 
 cli::Command AddTrainCommand(CLI::App& app) {
@@ -246,26 +330,10 @@ cli::Command AddTrainCommand(CLI::App& app) {
       app.add_subcommand("train", "Learn a scene from recorded frames");
   command->footer(absl::StrCat(MethodsHelp(), kFooter));
   auto flags = std::make_shared<TrainFlags>();
-  tools::AddDatasetFlags(*command, flags->dataset)->required(false);
-  command
-      ->add_option("--map", flags->map,
-                   "Learn from the keyframes of this map bundle, of "
-                   "`treeline-agent map`, instead of a recording")
-      ->type_name("BUNDLE");
+  AddPlaceFlags(*command, *flags);
   command->add_option("--method", flags->method, "Method, see below")
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--output", flags->output_path, "Model file to write")
-      ->type_name("FILE");
-  command
-      ->add_option("--repository", flags->repository,
-                   "Or: the server's folder of models. It becomes the scene's "
-                   "next version, which running servers then take")
-      ->type_name("DIR");
-  command
-      ->add_option("--scene", flags->scene,
-                   "The scene's name in the repository (default: the map's)")
-      ->type_name("NAME");
   command
       ->add_option(
           "--calibration", flags->calibration,
@@ -287,24 +355,38 @@ cli::Command AddTrainCommand(CLI::App& app) {
       ->type_name("MODEL")
       ->excludes(adapt);
   command
-      ->add_option("--trials", flags->trials_path,
-                   "Write what the confidence was learnt from: evidence and "
-                   "error of each trial, as CSV")
-      ->type_name("FILE");
+      ->add_option("--tree", flags->tree,
+                   "Grow this tree alone, of --trees, counted from 0, for "
+                   "`treeline merge`")
+      ->type_name("K")
+      ->excludes("--repository");
   command->add_flag("--splits-only", flags->splits_only,
                     "Write a base for --adapt: the trees' splits, without what "
                     "their leaves learnt");
-  command
-      ->add_option("--threads", flags->training.threads,
-                   "Threads; 0: one a processor")
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  AddRunFlags(*command, *flags);
   AddForestFlags(*command, flags->training);
   AddSiftFlags(*command, flags->sift);
   command->final_callback([flags] { CheckUsage(*flags); });
   return {command,
           [flags](const std::stop_token& stop) { return Train(*flags, stop); }};
+}
+
+cli::Command AddMergeCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "merge", "Make a scene of trees that many machines have grown");
+  command->footer(kMergeFooter);
+  auto flags = std::make_shared<TrainFlags>();
+  command
+      ->add_option("parts", flags->parts,
+                   "What `treeline train --tree` wrote: all trees of a scene, "
+                   "in any order")
+      ->type_name("PART")
+      ->required();
+  AddPlaceFlags(*command, *flags);
+  AddRunFlags(*command, *flags);
+  command->final_callback([flags] { CheckUsage(*flags); });
+  return {command,
+          [flags](const std::stop_token& stop) { return Merge(*flags, stop); }};
 }
 
 }  // namespace treeline::tools_app

@@ -22,11 +22,10 @@ constexpr const char* kDescription =
 
 std::vector<cli::Command> AddCommands(CLI::App& app) {
   return {
-      AddLearnCommand(app),     AddImportCommand(app),
-      AddCalibrateCommand(app), AddTrainCommand(app),
-      AddEvaluateCommand(app),  AddInspectCommand(app),
-      AddPublishCommand(app),   AddRecognizeCommand(app),
-      AddSplitCommand(app),     AddSynthCommand(app),
+      AddLearnCommand(app),   AddImportCommand(app),  AddCalibrateCommand(app),
+      AddTrainCommand(app),   AddMergeCommand(app),   AddEvaluateCommand(app),
+      AddInspectCommand(app), AddPublishCommand(app), AddRecognizeCommand(app),
+      AddSplitCommand(app),   AddSynthCommand(app),
   };
 }
 
