@@ -56,13 +56,15 @@ LABEL org.opencontainers.image.title="Treeline" \
 
 # -----------------------------------------------------------------------------
 # Learns scenes and measures: not on a server. COLMAP is a program that
-# `treeline learn` runs for photographs and videos; nothing links it.
+# `treeline learn` runs for photographs and videos, heif-convert one for those
+# that are HEIC; nothing links them.
 FROM base AS tools
 COPY --from=build /out/packages-tools.txt /usr/share/treeline/
 RUN apt-get update -q && \
     xargs -a /usr/share/treeline/packages-tools.txt \
       env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends colmap && \
+      apt-get install -q -y --no-install-recommends colmap \
+        libheif-examples && \
     rm -rf /var/lib/apt/lists/*
 COPY --from=build /src/server/models /usr/share/treeline/models
 COPY --from=build /out/treeline /out/treeline-client /usr/local/bin/

@@ -54,7 +54,7 @@ class GrpcTransport final : public Transport {
                                    Done done) override {
     auto call = std::make_shared<Call>();
     const size_t connection = number % connections_.size();
-    connections_[connection].Prepare(*call->context);
+    connections_[connection].Prepare(*call->context, items_[item].scene);
     call->context->set_deadline(
         std::chrono::system_clock::now() +
         std::chrono::duration_cast<std::chrono::system_clock::duration>(

@@ -5,9 +5,11 @@
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -33,6 +35,10 @@ constexpr int kPingTimeout_ms = 2000;
 // replica that was restarted should be used at once.
 constexpr int kFirstReconnect_ms = 100;
 constexpr int kLastReconnect_ms = 2000;
+
+// gRPC would look a name up again only 30 s after the last time, whatever went
+// meanwhile; servers that are restarted in turn may all be others by then.
+constexpr int kLookUpAgain_ms = 1000;
 
 constexpr unsigned kCertificateRefresh_s = 1;
 
@@ -119,10 +125,26 @@ grpc::ChannelArguments ArgumentsOf(const ConnectOptions& options) {
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kPingTimeout_ms);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnect_ms);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLastReconnect_ms);
+  arguments.SetInt(GRPC_ARG_DNS_MIN_TIME_BETWEEN_RESOLUTIONS_MS,
+                   kLookUpAgain_ms);
   if (options.own_connections) {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   }
   return arguments;
+}
+
+// docs/reference/service.md. What is no name goes to the server in the request
+// alone, which says what is wrong with it; gRPC would end the call for a
+// character that no header may hold.
+constexpr char kSceneMetadata[] = "x-treeline-scene";
+constexpr size_t kMaxSceneName = 128;
+
+bool IsSceneName(absl::string_view scene) {
+  return !scene.empty() && scene.size() <= kMaxSceneName &&
+         std::all_of(scene.begin(), scene.end(), [](char c) {
+           return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+                  c == '.' || c == '_' || c == '-';
+         });
 }
 
 }  // namespace
@@ -147,9 +169,13 @@ absl::StatusOr<Connection> Connection::Open(const ConnectOptions& options) {
                     std::move(token));
 }
 
-void Connection::Prepare(grpc::ClientContext& context) const {
+void Connection::Prepare(grpc::ClientContext& context,
+                         absl::string_view scene) const {
   if (token_ != nullptr) {
     context.AddMetadata("authorization", "Bearer " + token_->Get());
+  }
+  if (IsSceneName(scene)) {
+    context.AddMetadata(kSceneMetadata, std::string(scene));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "client/relocalizer/connect_options.h"
 #include "client/relocalizer/token_source.h"
 
@@ -22,8 +23,11 @@ class Connection {
 
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
 
-  // Puts into a call's context what every call carries.
-  void Prepare(grpc::ClientContext& context) const;
+  // Puts into a call's context what every call carries: the token and, where
+  // `scene` is a scene's name, the metadata x-treeline-scene, by which a
+  // balancer can choose the server.
+  void Prepare(grpc::ClientContext& context,
+               absl::string_view scene = {}) const;
 
  private:
   Connection(std::shared_ptr<grpc::Channel> channel,

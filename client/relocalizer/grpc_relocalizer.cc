@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/string_view.h"
 #include "client/relocalizer/channel.h"
 #include "client/relocalizer/convert.h"
 #include "client/relocalizer/grpc_localize_stream.h"
@@ -22,9 +23,11 @@ namespace {
 // A call's context: its deadline, and its cancellation while it lasts.
 class Context {
  public:
-  Context(const Connection& connection, const CallOptions& options)
+  // scene: that the call is about, if it is about one.
+  Context(const Connection& connection, const CallOptions& options,
+          absl::string_view scene = {})
       : on_stop_(options.stop, [this] { context_.TryCancel(); }) {
-    connection.Prepare(context_);
+    connection.Prepare(context_, scene);
     context_.set_deadline(std::chrono::system_clock::now() + options.timeout);
   }
   grpc::ClientContext* get() { return &context_; }
@@ -46,7 +49,7 @@ class GrpcRelocalizer final : public Relocalizer {
                                           const CallOptions& options) override {
     const base::SteadyClock clock;
     const base::MonotonicTime start = clock.Now();
-    Context context(connection_, options);
+    Context context(connection_, options, query.scene);
     v1::LocalizeResponse response;
     TL_RETURN_IF_ERROR(wire::FromGrpc(
         relocalization_->Localize(context.get(), ToProto(query), &response)));
@@ -71,7 +74,7 @@ class GrpcRelocalizer final : public Relocalizer {
 
   absl::StatusOr<SceneDescription> GetScene(
       const std::string& scene, const CallOptions& options) override {
-    Context context(connection_, options);
+    Context context(connection_, options, scene);
     v1::GetSceneRequest request;
     request.set_scene(scene);
     v1::GetSceneResponse response;

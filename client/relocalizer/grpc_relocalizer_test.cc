@@ -114,6 +114,46 @@ TEST_F(GrpcRelocalizerTest, AsksAndTimesTheAnswer) {
   EXPECT_GT(answer->round_trip_ms, 0);
 }
 
+// x-treeline-scene of a call; empty: none.
+std::string NamedScene(const grpc::ServerContext& context) {
+  const auto& metadata = context.client_metadata();
+  const auto at = metadata.find("x-treeline-scene");
+  return at == metadata.end()
+             ? ""
+             : std::string(at->second.data(), at->second.size());
+}
+
+TEST_F(GrpcRelocalizerTest, NamesTheSceneForBalancers) {
+  std::string named;
+  service_.during_localize = [&](const grpc::ServerContext& context) {
+    named = NamedScene(context);
+  };
+  LocalizeQuery query = Query();
+  query.scene = "kitchen-2.new_1";
+  ASSERT_TRUE(client_->Localize(query, {}).ok());
+  EXPECT_EQ(named, "kitchen-2.new_1");
+}
+
+TEST_F(GrpcRelocalizerTest, WhatIsNoSceneNameIsInTheRequestAlone) {
+  std::string named;
+  service_.during_localize = [&](const grpc::ServerContext& context) {
+    named = NamedScene(context);
+  };
+  for (const std::string& scene :
+       {std::string(), std::string("a b"),
+        std::string("k\xc3\xbc"
+                    "che"),
+        std::string("a\nb"), std::string(129, 'x')}) {
+    named = "not asked";
+    LocalizeQuery query = Query();
+    query.scene = scene;
+    const auto answer = client_->Localize(query, {});
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    EXPECT_EQ(answer->scene, scene);
+    EXPECT_EQ(named, "");
+  }
+}
+
 TEST_F(GrpcRelocalizerTest, ListsAndGetsScenes) {
   const auto scenes = client_->ListScenes({});
   ASSERT_TRUE(scenes.ok()) << scenes.status();

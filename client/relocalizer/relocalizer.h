@@ -154,6 +154,9 @@ struct StreamOptions {
   // dropped: ABORTED, reason FRAME_DROPPED.
   bool drop_oldest = false;
   int max_pending = 0;  // 1..64; 0: the server's default
+  // That most frames will ask for: a balancer may choose the server by it.
+  // Empty: none.
+  std::string scene = {};
   // Cancels the stream, here and on the server.
   std::stop_token stop = {};
 };

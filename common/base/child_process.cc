@@ -10,12 +10,15 @@
 #include <chrono>
 #include <climits>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "common/base/file.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
 
 // POSIX wants programs to declare it themselves.
@@ -96,6 +99,21 @@ absl::Status ChildProcess::Wait(const std::stop_token& stop) {
   return absl::UnknownError(absl::StrCat(
       name_, " ended with ", *exit_code_, "; its log, ", log_, ", ends with:\n",
       log.substr(log.size() - std::min(log.size(), kLogTail))));
+}
+
+std::string FindProgram(const std::string& program) {
+  std::vector<std::string> places;
+  if (program.find('/') != std::string::npos) {
+    places.push_back(program);
+  } else if (const char* path = std::getenv("PATH"); path != nullptr) {
+    for (const absl::string_view folder : absl::StrSplit(path, ':')) {
+      if (!folder.empty()) places.push_back(absl::StrCat(folder, "/", program));
+    }
+  }
+  for (const std::string& place : places) {
+    if (IsFile(place) && access(place.c_str(), X_OK) == 0) return place;
+  }
+  return "";
 }
 
 absl::StatusOr<std::string> SiblingProgram(const std::string& name) {

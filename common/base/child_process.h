@@ -46,6 +46,10 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
+// Where the shell would find `program`: a path as it is, a name in the folders
+// of PATH. Empty: there is none that may be run.
+std::string FindProgram(const std::string& program);
+
 // The path of a program that lies beside this one: "treeline-server".
 // NOT_FOUND, with what to do, if it is not there.
 absl::StatusOr<std::string> SiblingProgram(const std::string& name);

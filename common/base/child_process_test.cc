@@ -45,5 +45,13 @@ TEST(ChildProcessTest, AProgramThatIsNotThereIsNotFound) {
       ChildProcess::Start({folder.Path("none")}, folder.Path("log")).status()));
 }
 
+TEST(FindProgramTest, FindsWhatTheShellWouldRun) {
+  EXPECT_THAT(FindProgram("sh"), testing::EndsWith("/sh"));
+  EXPECT_EQ(FindProgram("/bin/sh"), "/bin/sh");
+  EXPECT_EQ(FindProgram("no-such-program"), "");
+  EXPECT_EQ(FindProgram("/etc/passwd"), "") << "it may not be run";
+  EXPECT_EQ(FindProgram("/bin"), "") << "a folder";
+}
+
 }  // namespace
 }  // namespace treeline::base

@@ -82,7 +82,8 @@ std::optional<http::HttpResponse> CorsPolicy::Check(
       .headers = {{"Access-Control-Allow-Methods", "GET, POST"},
                   {"Access-Control-Allow-Headers",
                    "Accept, Authorization, Connect-Protocol-Version, "
-                   "Connect-Timeout-Ms, Content-Type, Traceparent, Tracestate"},
+                   "Connect-Timeout-Ms, Content-Type, Traceparent, Tracestate, "
+                   "X-Treeline-Scene"},
                   {"Access-Control-Max-Age", "7200"}}};
 }
 

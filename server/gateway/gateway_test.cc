@@ -22,6 +22,7 @@
 namespace treeline::gateway {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -327,7 +328,8 @@ TEST_F(GatewayTest, LetsAllowedPagesIn) {
   EXPECT_EQ(preflight->status, 204);
   EXPECT_EQ(preflight->get_header_value("Access-Control-Allow-Origin"), kPage);
   EXPECT_THAT(preflight->get_header_value("Access-Control-Allow-Headers"),
-              HasSubstr("Connect-Protocol-Version"));
+              AllOf(HasSubstr("Connect-Protocol-Version"),
+                    HasSubstr("X-Treeline-Scene")));
   const auto call = PostJson(kLocalize, "{}", {{"Origin", kPage}});
   EXPECT_EQ(call->status, 200);
   EXPECT_EQ(call->get_header_value("Access-Control-Allow-Origin"), kPage);

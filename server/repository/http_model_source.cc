@@ -171,6 +171,16 @@ absl::StatusOr<HttpModelSource::KeptIndex> HttpModelSource::GetIndex(
 }
 
 absl::StatusOr<SourceListing> HttpModelSource::List() {
+  absl::StatusOr<SourceListing> listing = ListNow();
+  // Whoever polls goes on with what it has, and would not say so.
+  if (!listing.ok() && !options_.stop.stop_requested()) {
+    Warn(absl::StrCat("the index cannot be used, nothing new is served: ",
+                      listing.status().message()));
+  }
+  return listing;
+}
+
+absl::StatusOr<SourceListing> HttpModelSource::ListNow() {
   KeptIndex kept = ReadKeptIndex();
   // One that was damaged must not stand in for the server's.
   if (!ParseModelIndex(kept.text).ok()) kept = {};

@@ -80,6 +80,8 @@ class HttpModelSource final : public ModelSource {
   std::string IndexPath() const;
   KeptIndex ReadKeptIndex() const;
   void KeepIndex(const KeptIndex& kept) const;
+  // List() without a warning.
+  absl::StatusOr<SourceListing> ListNow();
   // The index now; `kept` where it has not changed.
   absl::StatusOr<KeptIndex> GetIndex(const KeptIndex& kept) const;
   absl::Status Download(const std::string& url, CacheDownload& download,

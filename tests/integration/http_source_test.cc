@@ -122,6 +122,7 @@ TEST_F(HttpSource, WithoutTheServerAndALastIndexItSaysWhatIsWrong) {
   const auto listing = source_->List();
   EXPECT_TRUE(absl::IsUnavailable(listing.status())) << listing.status();
   EXPECT_EQ(base::ErrorInfoOf(listing.status()).reason, "SOURCE_UNREACHABLE");
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("nothing new is served")));
   EXPECT_THAT(pauses_, SizeIs(4));
 }
 

@@ -1,5 +1,6 @@
 // What GeoPose answers must be, checked by ajv.
 import assert from 'node:assert/strict';
+import fs from 'node:fs';
 
 import { sendRequest } from '@oarc/gpp-access';
 import Ajv from 'ajv';
@@ -11,9 +12,8 @@ const exactly = (properties) => ({ type: 'object', properties,
 const numbers = (...names) =>
   exactly(Object.fromEntries(names.map((name) => [name, number])));
 
-// What GeoPose.Basic.Quaternion of OGC GeoPose 1.0 (21-056r11, with the schemas
-// of schemas.opengis.net/geopose/1.0) demands, in our words, with the ranges of
-// its logical model; and the answer of the GeoPose Protocol around it.
+// The answer of the GeoPose Protocol, with the ranges of GeoPose's logical
+// model, and nothing that the standard does not name.
 const ANSWER = exactly({
   id: { type: 'string' },
   timestamp: { type: 'integer' },
@@ -30,10 +30,23 @@ const ANSWER = exactly({
 });
 
 const ajv = new Ajv({ allErrors: true });
-const validate = ajv.compile(ANSWER);
 
-export const assertValidAnswer = (answer) =>
-  assert.ok(validate(answer), ajv.errorsText(validate.errors));
+// geopose/README.md says where these are from.
+const standard = (name) => ajv.compile(JSON.parse(fs.readFileSync(
+    new URL(`geopose/${name}.schema.json`, import.meta.url), 'utf8')));
+const basicQuaternion = standard('basic_quaternion');
+const basicQuaternionStrict = standard('basic_quaternion_strict');
+const ours = ajv.compile(ANSWER);
+
+function assertValid(validate, value) {
+  assert.ok(validate(value), ajv.errorsText(validate.errors));
+}
+
+export function assertValidAnswer(answer) {
+  assertValid(ours, answer);
+  assertValid(basicQuaternion, answer.geopose);
+  assertValid(basicQuaternionStrict, answer.geopose);
+}
 
 /**
  * sendRequest() of @oarc/gpp-access, with the answer checked. The schema of

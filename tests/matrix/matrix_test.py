@@ -10,6 +10,7 @@ are not, clients of node are left out, in words. The clients: clients.py.
 """
 
 import io
+import json
 import os
 import pathlib
 import re
@@ -20,6 +21,7 @@ import tempfile
 import types
 import unittest
 
+import jsonschema
 import numpy as np
 from PIL import Image
 from clients import (ORIGIN, ConnectJson, Cpp, GeoPose, Python, Query,
@@ -35,6 +37,13 @@ PACKAGE, WORK, BUNDLER = (pathlib.Path(a) for a in sys.argv[3:6])
 RECORDING = SCENE / "recording"
 STEMS = (RECORDING / "test.txt").read_text().split()[:8]
 KEY = "2026-11"
+GEOPOSE = ROOT / "tests" / "interop" / "geopose"
+
+
+def assert_geopose(value, name):
+    """By the schema of that name, of the GeoPose standard."""
+    schema = json.loads((GEOPOSE / f"{name}.schema.json").read_text())
+    jsonschema.Draft7Validator(schema).validate(value)
 
 
 def node_clients():
@@ -151,6 +160,12 @@ class Matrix(unittest.TestCase):
         self.assertGreaterEqual(localized, len(STEMS) // 2)
 
     def check_geopose(self, said, true):
+        for name in ("basic_quaternion", "basic_quaternion_strict"):
+            assert_geopose(said, name)
+            assert_geopose(true.as_json(), name)
+        assert_geopose(true.as_ypr_json(), "basic_ypr")
+        with self.assertRaises(jsonschema.ValidationError):
+            assert_geopose(said, "basic_ypr")
         # A degree is 1.1e5 m: 1e-11 of one is a micrometre.
         position = said["position"]
         self.assertAlmostEqual(position["lat"], true.latitude_deg, delta=1e-10)

@@ -164,8 +164,10 @@ class Calls(WithFolder):
         other = self.authority.issue("other", -60, day())
         self.credentials.put((self.pair[0], other[1]))
         (self.keys / "private.pem").write_text(self.signing.read_text())
-        wait_until(lambda: "private.pem" in self.server.log(), "a complaint",
-                   60)
+        # Keys are looked at when somebody shows a token.
+        headers = {"Authorization": f"Bearer {self.token(3600)}"}
+        wait_until(lambda: self.request(LOCALIZE, headers) and
+                   "private.pem" in self.server.log(), "a complaint", 60, 1)
         self.assert_holds_none(
             self.server.log(),
             [middle, middle[::-1], other[1].splitlines()[1],

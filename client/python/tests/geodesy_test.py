@@ -44,6 +44,42 @@ class Geodesy(unittest.TestCase):
         self.assertEqual(pose.as_json()["quaternion"]["w"],
                          pose.enu_from_device_wxyz[0])
 
+    def test_angles_turn_about_up_then_forward_then_right(self):
+        for angles in ((0, 0, 0), (90, 0, 0), (0, 30, 0), (0, 0, -40),
+                       (-130, 55, 170)):
+            said = self.pose_of(*angles).as_ypr_json()
+            self.assertEqual(sorted(said), ["angles", "position"])
+            np.testing.assert_allclose(
+                [said["angles"][name] for name in ("yaw", "pitch", "roll")],
+                angles, atol=1e-9)
+
+    def test_a_picture_whose_right_side_is_straight_up_keeps_its_pose(self):
+        # A phone on its side, whose pictures are not turned.
+        for pitch in (90, -90):
+            for yaw, roll in ((20, 0), (20, 70), (-150, 100)):
+                pose = self.pose_of(yaw, pitch, roll)
+                angles = pose.as_ypr_json()["angles"]
+                self.assertEqual(angles["roll"], 0)
+                self.assertLessEqual(abs(angles["yaw"]), 180)
+                again = self.pose_of(**angles)
+                self.assertGreater(abs(np.dot(again.enu_from_device_wxyz,
+                                              pose.enu_from_device_wxyz)),
+                                   1 - 1e-12)
+
+    @staticmethod
+    def pose_of(yaw, pitch, roll):
+        def about(axis, angle_deg):
+            cosine, sine = (f(np.radians(angle_deg)) for f in (np.cos, np.sin))
+            matrix = np.eye(3)
+            i, j = (axis + 1) % 3, (axis + 2) % 3
+            matrix[i, i] = matrix[j, j] = cosine
+            matrix[i, j], matrix[j, i] = -sine, sine
+            return matrix
+
+        return geodesy.GeoPose(48, 11, 520, tuple(
+            geometry.quaternion_from_matrix(
+                about(2, yaw) @ about(1, pitch) @ about(0, roll))))
+
     def test_the_anchors_rotation_turns_the_world(self):
         # World x is north, so a camera that looks along world x looks north.
         half = np.sqrt(0.5)

@@ -17,7 +17,8 @@ SKIPPED = 77
 def main():
     lib, file, *arguments = sys.argv[1:]
     sys.path[:0] = [lib, str(pathlib.Path(file).resolve().parent)]
-    for name in ("grpc", "google.protobuf", "numpy", "PIL", "matplotlib"):
+    for name in ("grpc", "google.protobuf", "numpy", "PIL", "matplotlib",
+                 "jsonschema"):
         try:
             importlib.import_module(name)
         except ImportError:

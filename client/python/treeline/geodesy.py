@@ -55,7 +55,7 @@ class GeoAnchor:
 
 @dataclasses.dataclass(frozen=True)
 class GeoPose:
-    """OGC GeoPose 1.0, Basic-Quaternion."""
+    """OGC GeoPose 1.0: Basic-Quaternion and Basic-YPR."""
 
     latitude_deg: float
     longitude_deg: float
@@ -64,11 +64,39 @@ class GeoPose:
     enu_from_device_wxyz: tuple[float, float, float, float]
 
     def as_json(self) -> dict:
-        """As the standard writes it."""
+        """As the standard writes Basic-Quaternion."""
         w, x, y, z = self.enu_from_device_wxyz
-        return {"position": {"lat": self.latitude_deg,
-                             "lon": self.longitude_deg, "h": self.height_m},
+        return {"position": self._position_as_json(),
                 "quaternion": {"x": x, "y": y, "z": z, "w": w}}
+
+    def as_ypr_json(self) -> dict:
+        """As the standard writes Basic-YPR: degrees, about the device's z (up),
+        then its new y (forward), then its new x (right), anticlockwise seen
+        from the axis' end. Where the picture's right side points straight up or
+        down, yaw and roll are one; then roll is 0."""
+        yaw, pitch, roll = _yaw_pitch_roll_deg(self.enu_from_device_wxyz)
+        return {"position": self._position_as_json(),
+                "angles": {"yaw": yaw, "pitch": pitch, "roll": roll}}
+
+    def _position_as_json(self) -> dict:
+        return {"lat": self.latitude_deg, "lon": self.longitude_deg,
+                "h": self.height_m}
+
+
+def _yaw_pitch_roll_deg(wxyz: tuple[float, float, float, float]
+                        ) -> tuple[float, float, float]:
+    w, x, y, z = wxyz
+    # The device's x axis in East, North, Up.
+    right = (1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y))
+    level = math.hypot(right[0], right[1])
+    pitch = math.atan2(-right[2], level)
+    if level < 1e-9:
+        yaw, roll = 2 * math.atan2(z, w), 0.0
+        yaw = math.remainder(yaw, 2 * math.pi)
+    else:
+        yaw = math.atan2(right[1], right[0])
+        roll = math.atan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    return math.degrees(yaw), math.degrees(pitch), math.degrees(roll)
 
 
 def ecef_from_geodetic(latitude_deg: float, longitude_deg: float,

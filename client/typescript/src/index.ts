@@ -9,7 +9,8 @@ export * from './camera/opencv.js';
 export * from './camera/opengl_axes.js';
 export * from './camera/webxr.js';
 export { TreelineError, type ErrorCode } from './client/error.js';
-export { fromGeoPoseAxes, type GeoPoseAnswer, type GeoPoseQuery } from
+export { fromGeoPoseAxes, toBasicQuaternion, toBasicYpr, type BasicQuaternion,
+  type BasicYpr, type GeoPoseAnswer, type GeoPoseQuery, type GeoPosition } from
   './client/geo_pose.js';
 export { FrameQueue, type LatestOptions, type TimedAnswer, type TimedQuery }
   from './client/localize_latest.js';

@@ -128,7 +128,7 @@ std::string CaptureFormatsHelp() {
     absl::StrAppendFormat(&help, "  %-12s%s\n", format.name, format.summary);
   }
   help +=
-      "  photographs a folder of JPEG or PNG files, without poses: needs "
+      "  photographs a folder of JPEG, PNG or HEIC files, without poses: needs "
       "COLMAP\n"
       "  video       .mp4, .mov or .m4v, without poses: needs COLMAP\n";
   return help;

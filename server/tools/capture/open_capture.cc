@@ -52,12 +52,13 @@ absl::Status NoFormat(const std::string& path) {
   if (absl::EndsWith(path, ".zip")) {
     absl::StrAppend(&message, "Unpack the zip file first, and give the folder");
   } else {
-    absl::StrAppend(&message,
-                    "Without poses, a folder with three photographs or more "
-                    "(JPEG, PNG) or a video (.mp4, .mov, .m4v) goes through "
-                    "structure from motion; depth without poses, through "
-                    "`treeline-agent map --rgbd`: "
-                    "docs/how-to/import-a-capture.md");
+    absl::StrAppend(
+        &message,
+        "Without poses, a folder with three photographs or more "
+        "(JPEG, PNG, HEIC) or a video (.mp4, .mov, .m4v) goes through "
+        "structure from motion; depth without poses, through "
+        "`treeline-agent map --rgbd`: "
+        "docs/how-to/import-a-capture.md");
   }
   return absl::InvalidArgumentError(message);
 }

@@ -18,8 +18,9 @@ constexpr const char* kHead = R"(<!doctype html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'">
 <style>
-:root { --back: #fff; --card: #f5f6f8; --text: #1d2129; --quiet: #5b6472;
-  --line: #d9dde3; --good: #14733f; --fair: #8a5a00; --poor: #b3261e; }
+:root { color-scheme: light dark; --back: #fff; --card: #f5f6f8;
+  --text: #1d2129; --quiet: #5b6472; --line: #d9dde3; --good: #14733f;
+  --fair: #8a5a00; --poor: #b3261e; }
 @media (prefers-color-scheme: dark) { :root { --back: #14171c; --card: #1e232b;
   --text: #e8eaee; --quiet: #a3acba; --line: #363d49; --good: #5ccf8d;
   --fair: #f0b849; --poor: #ff8a80; } }
@@ -46,6 +47,7 @@ th, td { text-align: left; vertical-align: top; padding: .45rem .75rem .45rem 0;
 th { font-weight: 600; } td.number, th.number { text-align: right; }
 td.number { white-space: nowrap; }
 .scroll { overflow-x: auto; }
+.scroll:focus-visible { outline: 2px solid var(--text); outline-offset: 2px; }
 ol.advice { list-style: none; padding: 0; }
 ol.advice li { padding: .6rem 0; border-bottom: 1px solid var(--line); }
 .missed { display: grid; gap: .75rem;
@@ -65,6 +67,15 @@ std::string Escaped(absl::string_view text) {
 std::string DataUri(absl::string_view type, absl::string_view bytes) {
   return absl::StrCat("data:image/", type, ";base64,",
                       absl::Base64Escape(bytes));
+}
+
+// The beginning of what scrolls to the side where it is wider than a phone:
+// then the arrow keys must come to it.
+std::string Scroll(absl::string_view name) {
+  return absl::StrCat(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
+      "aria-label=\"",
+      Escaped(name), "\">");
 }
 
 std::string Percent(double part, double whole) {
@@ -139,8 +150,8 @@ std::string HowGood(const LearnPage& page, const Verdict& verdict) {
         page.foreign_answered == 0 ? ", as it should be" : "");
   }
   absl::StrAppend(
-      &html,
-      "<div class=\"scroll\"><table><thead><tr><th>Queries</th>"
+      &html, Scroll("How good it will be"),
+      "<table><thead><tr><th>Queries</th>"
       "<th class=\"number\">Pictures</th><th class=\"number\">Answered</th>"
       "<th class=\"number\">Right</th><th class=\"number\">Wrong</th>"
       "<th class=\"number\">Half within</th>"
@@ -234,10 +245,10 @@ std::string Missed(const LearnPage& page) {
 
 std::string HowItWasMade(const LearnPage& page) {
   double total_s = 0;
-  std::string html =
-      "<h2>How it was made</h2>\n<div class=\"scroll\"><table><thead><tr>"
-      "<th>Step</th><th>Result</th><th class=\"number\">Time</th></tr></thead>"
-      "<tbody>\n";
+  std::string html = absl::StrCat(
+      "<h2>How it was made</h2>\n", Scroll("How it was made"),
+      "<table><thead><tr><th>Step</th><th>Result</th><th class=\"number\">Time"
+      "</th></tr></thead><tbody>\n");
   for (const LearnStep& step : page.steps) {
     total_s += step.seconds;
     absl::StrAppend(&html, "<tr><td>", Escaped(step.name), "</td><td>",

@@ -110,8 +110,9 @@ class PhotographImporter {
           "its own");
     }
     if (result_.pictures > 0) return absl::OkStatus();
-    return absl::FailedPreconditionError(
-        absl::StrCat(source_, ": no picture could be read"));
+    return absl::FailedPreconditionError(absl::StrCat(
+        source_, ": no picture could be read",
+        copied.left_out.empty() ? "" : ". " + copied.left_out.front()));
   }
 
   absl::Status CheckRegistered() {

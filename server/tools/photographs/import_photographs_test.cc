@@ -132,6 +132,21 @@ TEST_F(ImportPhotographsTest, FewPlacedPicturesAreToldOrRefused) {
   EXPECT_THAT(some->notes, Contains(HasSubstr("10 of the 40 pictures")));
 }
 
+// A folder as an iPhone leaves it.
+TEST_F(ImportPhotographsTest, HeicAloneIsRefusedWithWhatToInstall) {
+  for (const char* name : {"a.HEIC", "b.HEIC", "c.HEIC"}) {
+    folder_.Write(absl::StrCat("photos/", name), "HEIC");
+  }
+  const absl::Status status =
+      Import({.pictures = {.heif_convert = "no-such-program"},
+              .colmap = FakeColmap(3)})
+          .status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(status.message(), HasSubstr("3 pictures are HEIC"));
+  EXPECT_THAT(status.message(), HasSubstr("libheif-examples"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("out")));
+}
+
 TEST_F(ImportPhotographsTest, WrongScalesAreRefusedBeforeTheWork) {
   PutPictures(3);
   EXPECT_THAT(Import({.scale = -1}).status().message(), HasSubstr("--scale"));

@@ -1,23 +1,28 @@
 #include "server/tools/photographs/photographs.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/child_process.h"
 #include "common/base/file.h"
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "common/image/exif.h"
 #include "common/image/quarter_turn.h"
 #include "server/tools/capture/picture_files.h"
 #include "server/tools/capture/video_reader.h"
+#include "server/tools/photographs/heic.h"
 
 namespace treeline::photographs {
 namespace {
@@ -40,7 +45,9 @@ bool HasEnding(const std::string& path,
 std::vector<std::string> PhotographsIn(const std::string& folder) {
   std::vector<std::string> names;
   for (const std::string& name : base::SortedNamesIn(folder)) {
-    if (HasEnding(name, {".jpg", ".jpeg", ".png"})) names.push_back(name);
+    if (HasEnding(name, {".jpg", ".jpeg", ".png"}) || IsHeicName(name)) {
+      names.push_back(name);
+    }
   }
   std::ranges::sort(names, capture::NaturalLess);
   return names;
@@ -90,22 +97,71 @@ class Copier {
   CopiedPictures result_;
 };
 
+// Upright.
 absl::StatusOr<image::ColorImage> ReadPhotograph(const std::string& path) {
   TL_ASSIGN_OR_RETURN(const std::string bytes,
                       base::ReadFile(path, kMaxPictureBytes));
   absl::StatusOr<image::ColorImage> picture = image::DecodeColor(bytes);
   if (!picture.ok()) return base::Annotate(picture.status(), path);
-  return picture;
+  return image::Turned(*picture, image::ReadExifUprightTurn(bytes).value_or(
+                                     image::QuarterTurn::kNone));
 }
 
-absl::Status CopyPhotographs(const std::string& source, Copier& copier,
+// JPEG and PNG by ourselves, HEIC by heif-convert, where it is installed.
+class PhotographReader {
+ public:
+  PhotographReader(const std::string& heif_convert, std::string work,
+                   const std::stop_token& stop)
+      : heif_convert_(base::FindProgram(heif_convert)),
+        work_(std::move(work)),
+        stop_(stop) {}
+  ~PhotographReader() {
+    std::error_code ignored;
+    std::filesystem::remove_all(work_, ignored);
+  }
+  PhotographReader(const PhotographReader&) = delete;
+  PhotographReader& operator=(const PhotographReader&) = delete;
+
+  bool CanRead(const std::string& name) const {
+    return !heif_convert_.empty() || !IsHeicName(name);
+  }
+  absl::StatusOr<image::ColorImage> Read(const std::string& path) const {
+    return IsHeicName(path) ? ReadHeic(path, heif_convert_, work_, stop_)
+                            : ReadPhotograph(path);
+  }
+
+ private:
+  const std::string heif_convert_;
+  const std::string work_;
+  const std::stop_token& stop_;
+};
+
+std::string HeicNotice(int64_t count) {
+  return absl::StrCat(
+      count, count == 1 ? " picture is" : " pictures are",
+      " HEIC, and there is no heif-convert to read them. On Debian 12: apt "
+      "install libheif-examples. Or let the phone take JPEG: on an iPhone, "
+      "Settings > Camera > Formats > Most Compatible");
+}
+
+absl::Status CopyPhotographs(const std::string& source,
+                             const std::string& folder,
+                             const PictureOptions& options, Copier& copier,
                              const std::function<void()>& done,
                              const std::stop_token& stop) {
+  const PhotographReader reader(options.heif_convert, folder + "-heic", stop);
+  int64_t unreadable = 0;
   std::string last;
   for (const std::string& name : PhotographsIn(source)) {
     if (stop.stop_requested()) return absl::CancelledError("import stopped");
+    if (!reader.CanRead(name)) {
+      ++unreadable;
+      done();
+      continue;
+    }
     absl::StatusOr<image::ColorImage> picture =
-        ReadPhotograph(absl::StrCat(source, "/", name));
+        reader.Read(absl::StrCat(source, "/", name));
+    if (absl::IsCancelled(picture.status())) return picture.status();
     if (picture.ok()) {
       // "a.png" and "a.jpg" are two pictures.
       const std::string stem = name.substr(0, name.rfind('.'));
@@ -117,6 +173,7 @@ absl::Status CopyPhotographs(const std::string& source, Copier& copier,
     }
     done();
   }
+  if (unreadable > 0) copier.LeaveOut(HeicNotice(unreadable));
   return absl::OkStatus();
 }
 
@@ -178,7 +235,8 @@ absl::StatusOr<CopiedPictures> CopyPictures(const std::string& source,
     TL_ASSIGN_OR_RETURN(const int every, Every(source, options.every));
     TL_RETURN_IF_ERROR(CopyFrames(source, every, copier, done, stop));
   } else {
-    TL_RETURN_IF_ERROR(CopyPhotographs(source, copier, done, stop));
+    TL_RETURN_IF_ERROR(
+        CopyPhotographs(source, folder, options, copier, done, stop));
   }
   return copier.Take();
 }

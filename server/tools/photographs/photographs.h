@@ -12,7 +12,8 @@
 
 namespace treeline::photographs {
 
-// A folder with three JPEG or PNG files or more; a file that ends as videos do.
+// A folder with three JPEG, PNG or HEIC files or more; a file that ends as
+// videos do.
 bool IsPhotographs(const std::string& path);
 bool IsVideo(const std::string& path);
 
@@ -21,6 +22,9 @@ struct PictureOptions {
   int max_side_px = 1600;
   // Of a video, every so many-th frame; 0: about 200, evenly spread.
   int every = 0;
+  // Reads HEIC photographs: a path, or a name in PATH. Where it is not
+  // installed, they are left out.
+  std::string heif_convert = "heif-convert";
 };
 
 struct CopiedPictures {
@@ -28,7 +32,8 @@ struct CopiedPictures {
   // Whether all have one size: then they are taken to be of one camera.
   bool is_one_size = true;
   int longest_side_px = 0;
-  // Names of those that could not be read, with why.
+  // Those that could not be read, and why: each by its name, HEIC files without
+  // their program together.
   std::vector<std::string> left_out;
 };
 

@@ -85,6 +85,63 @@ TEST_F(PhotographsTest, ABrokenPictureIsLeftOutAndNamed) {
   EXPECT_THAT(copied->left_out, ElementsAre(HasSubstr("photos/c.jpg")));
 }
 
+// A phone that was held upright stores its photographs on their side, too.
+TEST_F(PhotographsTest, PhotographsAreTurnedAsTheirExifSays) {
+  image::ColorImage stored{64, 48, {}};
+  stored.rgb.assign(size_t{3} * 64 * 48, 20);
+  for (size_t y = 0; y < 16; ++y) {
+    std::fill_n(stored.rgb.begin() + static_cast<ptrdiff_t>(3 * 64 * y), 48,
+                uint8_t{230});
+  }
+  std::string jpeg = *image::EncodeJpeg(stored, 90);
+  // The tag Orientation, 6: a quarter turn clockwise makes it upright.
+  jpeg.insert(2, std::string("\xff\xe1\0\x22"
+                             "Exif\0\0"
+                             "MM\0\x2a\0\0\0\x08"
+                             "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
+                             "\0\0\0\0",
+                             36));
+  folder_.Write("photos/a.jpg", jpeg);
+  ASSERT_TRUE(Copy("photos").ok());
+  const image::ColorImage shown =
+      *image::DecodeColor(*base::ReadFile(folder_.Path("out/a.jpg")));
+  ASSERT_EQ(shown.width, 48);
+  ASSERT_EQ(shown.height, 64);
+  EXPECT_LT(shown.rgb[size_t{3} * (48 * 6 + 6)], 80) << "top left";
+  EXPECT_GT(shown.rgb[size_t{3} * (48 * 6 + 42)], 180) << "top right";
+}
+
+// An iPhone leaves both kinds in one folder.
+TEST_F(PhotographsTest, HeicPicturesAreReadWhereTheirProgramIs) {
+  PutJpeg("a.jpg", 20, 10);
+  PutJpeg("b.HEIC", 20, 10);
+  folder_.Write("photos/c.HEIC", "broken");
+  EXPECT_TRUE(IsPhotographs(folder_.Path("photos")));
+  // A program in its place, to which these are pictures.
+  const std::string program = folder_.Write(
+      "heif-convert", "#!/bin/sh\ngrep -q broken \"$1\" || cp \"$1\" \"$2\"\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const auto copied = Copy("photos", {.heif_convert = program});
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_THAT(copied->names, ElementsAre("a.jpg", "b.jpg"));
+  EXPECT_THAT(copied->left_out, ElementsAre(HasSubstr("c.HEIC")));
+  EXPECT_EQ(done_, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("out-heic")));
+}
+
+TEST_F(PhotographsTest, WithoutTheirProgramHeicPicturesAreLeftOutWithWhatToDo) {
+  PutJpeg("a.jpg", 20, 10);
+  PutJpeg("b.HEIC", 20, 10);
+  PutJpeg("c.HEIC", 20, 10);
+  const auto copied = Copy("photos", {.heif_convert = "no-such-program"});
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_THAT(copied->names, ElementsAre("a.jpg"));
+  EXPECT_THAT(copied->left_out,
+              ElementsAre(testing::AllOf(HasSubstr("2 pictures are HEIC"),
+                                         HasSubstr("libheif-examples"))));
+  EXPECT_EQ(done_, 3);
+}
+
 TEST_F(PhotographsTest, FramesOfAVideoAreTakenEvenly) {
   capture::WriteStrayVideo(capture::MakeTrueScene(10), folder_.Path("stray"));
   const auto copied = Copy("stray/rgb.mp4", {.every = 4});

@@ -1,11 +1,8 @@
 #include "server/tools/photographs/structure_from_motion.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -15,7 +12,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_split.h"
 #include "common/base/child_process.h"
 #include "common/base/file.h"
 #include "common/base/folder.h"
@@ -127,17 +123,8 @@ absl::Status NoStructure(const StructureOptions& options) {
 }  // namespace
 
 absl::StatusOr<std::string> FindColmap(const std::string& program) {
-  std::vector<std::string> places;
-  if (program.find('/') != std::string::npos) {
-    places.push_back(program);
-  } else if (const char* path = std::getenv("PATH"); path != nullptr) {
-    for (const absl::string_view folder : absl::StrSplit(path, ':')) {
-      if (!folder.empty()) places.push_back(absl::StrCat(folder, "/", program));
-    }
-  }
-  for (const std::string& place : places) {
-    if (base::IsFile(place) && access(place.c_str(), X_OK) == 0) return place;
-  }
+  std::string found = base::FindProgram(program);
+  if (!found.empty()) return found;
   return absl::FailedPreconditionError(absl::StrCat(
       "photographs and videos need COLMAP, and there is no ", program,
       ". On Debian 12: apt install colmap. Or compute the structure elsewhere: "

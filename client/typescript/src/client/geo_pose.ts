@@ -3,7 +3,7 @@
 
 import { colmapParameters } from '../camera/colmap.js';
 import type { Camera } from '../camera/camera.js';
-import { multiply, normalized, type Quaternion } from
+import { conjugate, multiply, normalized, rotate, type Quaternion } from
   '../geometry/rotation.js';
 import { TreelineError, type ErrorCode } from './error.js';
 
@@ -27,7 +27,7 @@ export interface GeoPoseQuery {
   };
 }
 
-/** OGC GeoPose 1.0, Basic-Quaternion. */
+/** Where the camera was on the Earth; toBasicQuaternion() writes it anew. */
 export interface GeoPoseAnswer {
   readonly captureTimeMs: number;
   readonly latitudeDeg: number;
@@ -49,6 +49,58 @@ export interface GeoPoseAnswer {
 // about x.
 const GEO_POSE_FROM_CAMERA: Quaternion =
     { w: Math.SQRT1_2, x: -Math.SQRT1_2, y: 0, z: 0 };
+
+export interface GeoPosition {
+  readonly lat: number;
+  readonly lon: number;
+  readonly h: number;
+}
+
+/** OGC GeoPose 1.0, Basic-Quaternion, as the standard writes it in JSON. */
+export interface BasicQuaternion {
+  readonly position: GeoPosition;
+  readonly quaternion: Quaternion;
+}
+
+/** OGC GeoPose 1.0, Basic-YPR, as the standard writes it in JSON (degrees). */
+export interface BasicYpr {
+  readonly position: GeoPosition;
+  readonly angles: { readonly yaw: number, readonly pitch: number,
+    readonly roll: number };
+}
+
+const positionOf = ({ latitudeDeg, longitudeDeg, heightM }: GeoPoseAnswer):
+    GeoPosition => ({ lat: latitudeDeg, lon: longitudeDeg, h: heightM });
+
+// Of the device's axes: x right, y forward, z up.
+const enuFromDevice = ({ enuFromCamera }: GeoPoseAnswer): Quaternion =>
+  normalized(multiply(enuFromCamera, conjugate(GEO_POSE_FROM_CAMERA)));
+
+/** What other programs that know GeoPose read. */
+export function toBasicQuaternion(answer: GeoPoseAnswer): BasicQuaternion {
+  const { x, y, z, w } = enuFromDevice(answer);
+  return { position: positionOf(answer), quaternion: { x, y, z, w } };
+}
+
+/**
+ * The same with angles: about the device's z (up), then its new y (forward),
+ * then its new x (right), anticlockwise seen from the axis' end. Where the
+ * picture's right side points straight up or down, yaw and roll are one; then
+ * roll is 0.
+ */
+export function toBasicYpr(answer: GeoPoseAnswer): BasicYpr {
+  const { w, x, y, z } = enuFromDevice(answer);
+  // The device's x axis in East, North, Up.
+  const right = rotate({ w, x, y, z }, { x: 1, y: 0, z: 0 });
+  const level = Math.hypot(right.x, right.y);
+  const isOne = level < 1e-9;
+  const yaw = isOne ? 2 * Math.atan2(z, w) : Math.atan2(right.y, right.x);
+  const roll = isOne ? 0 :
+    Math.atan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y));
+  const degrees = (rad: number) => rad * 180 / Math.PI;
+  return { position: positionOf(answer), angles: { yaw: degrees(yaw),
+    pitch: degrees(Math.atan2(-right.z, level)), roll: degrees(roll) } };
+}
 
 /** enuFromCamera of the quaternion of a GeoPose. */
 export const fromGeoPoseAxes = (quaternion: Quaternion): Quaternion =>

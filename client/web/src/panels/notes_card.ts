@@ -59,7 +59,10 @@ export class NoteDialog {
 
   constructor() {
     this.input.addEventListener('keydown', (event) => {
-      if (event.key === 'Enter') this.save();
+      if (event.key !== 'Enter') return;
+      // Else the button that has the focus by then would be pressed.
+      event.preventDefault();
+      this.save();
     });
     this.element = el('dialog', { attributes: {
       'aria-labelledby': 'note-label' },

@@ -182,7 +182,10 @@ export class QueriesCard {
     const focused = document.activeElement?.id ?? '';
     this.list.replaceChildren(...queries.map((query) =>
       el('li', {}, this.rowOf(query, isSame(query, chosen)))));
-    if (focused.startsWith('query-')) document.getElementById(focused)?.focus();
+    if (focused.startsWith('query-')) {
+      (document.getElementById(focused) ??
+          this.list.querySelector('button'))?.focus();
+    }
   }
 
   private rowOf(query: RecentQuery, isChosen: boolean): HTMLElement {
