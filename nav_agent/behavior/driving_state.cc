@@ -124,11 +124,8 @@ DrivingState::Outcome DrivingState::Arrive(const control::ControlPose& pose,
       goal.status.to_go_m = 0;
       break;
     case ArrivalCheck::Outcome::kReached:
-      goal.status.to_go_m = 0;
-      return GoalEnd{
-          .state = GoalState::kSucceeded,
-          .cause = core::NavigationCause::kNone,
-          .why = arrival_.Text(pose.pose, target, goal.status.driven_m)};
+      return EndAt(arrival_.Text(pose.pose, target, goal.status.driven_m),
+                   goal);
     case ArrivalCheck::Outcome::kDisputed:
       if (tools.attempts.TakeReplan()) return NeedsPlan();
       return GoalTrouble{.kind = Trouble::kStuck,
@@ -136,6 +133,20 @@ DrivingState::Outcome DrivingState::Arrive(const control::ControlPose& pose,
                          .why = "it does not come to stand at the goal"};
   }
   return GoesOn();
+}
+
+// As near as it could come; a place beside the goal is another one.
+GoalEnd DrivingState::EndAt(std::string where, GoalCourse& goal) const {
+  const double beside_m = arrival_.end().beside_goal_m;
+  goal.status.to_go_m = beside_m;
+  if (beside_m <= kPassPose_m) {
+    return {.state = GoalState::kSucceeded,
+            .cause = core::NavigationCause::kNone,
+            .why = std::move(where)};
+  }
+  return {.state = GoalState::kFailed,
+          .cause = core::NavigationCause::kGoalBlocked,
+          .why = std::move(where)};
 }
 
 DrivingState::Outcome DrivingState::Wait(const control::ControlPose& pose,

@@ -53,6 +53,7 @@ class DrivingState {
   bool PassesPose(const core::LevelPose& robot, const GoalTools& tools) const;
   Outcome Arrive(const control::ControlPose& pose, GoalCourse& goal,
                  GoalTools& tools, base::MonotonicTime now);
+  GoalEnd EndAt(std::string where, GoalCourse& goal) const;
   Outcome Wait(const control::ControlPose& pose, GoalTools& tools,
                base::MonotonicTime now);
   Outcome MeetObstacle(const control::ControlPose& pose,

@@ -133,6 +133,24 @@ TEST_F(DrivingStateTest, DrivesToItsGoalWhenThatIsFreeAgain) {
   EXPECT_TRUE(Is<DrivingState::GoesOn>(Step(by_the_map)));
 }
 
+TEST_F(DrivingStateTest, APlaceWellBesideTheGoalIsNotTheGoal) {
+  for (const double beside_m : {0.1, 0.73}) {
+    PlannedPath beside =
+        Straight(PoseAtPoint(1, 2), PoseAtPoint(5 - beside_m, 2));
+    beside.result.moved_goal_m = beside_m;
+    DrivingState driving = Drive(beside);
+    controller.result.state = control::ControlState::kArrived;
+    robot = Robot(5 - beside_m, 2);
+    const DrivingState::Result result = Step(driving);
+    ASSERT_TRUE(Is<GoalEnd>(result));
+    const auto& end = std::get<GoalEnd>(result.outcome);
+    EXPECT_EQ(end.state,
+              beside_m < 0.5 ? GoalState::kSucceeded : GoalState::kFailed);
+    EXPECT_EQ(end.cause, beside_m < 0.5 ? core::NavigationCause::kNone
+                                        : core::NavigationCause::kGoalBlocked);
+  }
+}
+
 TEST_F(DrivingStateTest, RemembersWhatStandsInTheWay) {
   controller.result.state = control::ControlState::kBlocked;
   controller.result.obstacle_in_map = {3, 2};

@@ -52,11 +52,23 @@ class Navigator {
   virtual void Step() = 0;
 
   // Replaces the goal there is. INVALID_ARGUMENT: none, or not finite.
+  // FAILED_PRECONDITION: the robot is stopped.
   virtual absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) = 0;
   // NOT_FOUND: that goal is not the current one. 0: whichever there is.
   virtual absl::Status CancelGoal(uint64_t id) = 0;
   virtual void Pause() = 0;
   virtual void Resume() = 0;
+  // The robot stands from the next step on, whatever happens, until Release;
+  // its goal ends, and no other is taken. why: for people.
+  virtual void Stop(const std::string& why) = 0;
+  // Nothing begins to move by that: a search for the robot's place waits for
+  // Resume.
+  virtual void Release() = 0;
+  // Drives so for kManualLease_s, as far as limits and obstacles allow: who
+  // drives by hand says it again and again, and nothing moves when they fall
+  // silent. A goal or a search waits for Resume afterwards. INVALID_ARGUMENT:
+  // not finite. FAILED_PRECONDITION: it is stopped, or a device is lost.
+  virtual absl::Status Drive(const core::VelocityCommand& wanted) = 0;
   // The robot is told where it is.
   virtual absl::Status SetPose(
       const core::LevelPose& pose,

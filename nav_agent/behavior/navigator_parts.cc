@@ -10,7 +10,9 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/goal_executor.h"
+#include "nav_agent/behavior/navigator_poses.h"
 #include "nav_agent/behavior/obstacle_discs.h"
+#include "nav_agent/behavior/operator_control.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/behavior/scan_ends.h"
@@ -18,36 +20,6 @@
 
 namespace treeline::behavior {
 namespace {
-
-bool IsFinite(const core::LevelPose& pose) {
-  return std::isfinite(pose.map_from_base.translation.x) &&
-         std::isfinite(pose.map_from_base.translation.y) &&
-         std::isfinite(pose.map_from_base.yaw_rad) &&
-         std::isfinite(pose.place.height_m);
-}
-
-std::optional<control::ControlPose> OfMotion(
-    const std::optional<localization::TrackedMotion>& motion) {
-  if (!motion.has_value()) return std::nullopt;
-  return control::ControlPose{
-      .stamp = motion->stamp,
-      .pose = {.map_from_base = motion->odom_from_base, .place = {}},
-      .level_from_base = motion->level_from_base,
-      .forward_mps = motion->forward_mps,
-      .yaw_rate_radps = motion->yaw_rate_radps,
-      .map_is_unknown = true};
-}
-
-std::optional<control::ControlPose> OfPose(
-    const std::optional<localization::TrackedPose>& pose) {
-  if (!pose.has_value()) return std::nullopt;
-  return control::ControlPose{.stamp = pose->stamp,
-                              .pose = pose->pose,
-                              .level_from_base = pose->level_from_base,
-                              .forward_mps = pose->forward_mps,
-                              .yaw_rate_radps = pose->yaw_rate_radps,
-                              .map_is_unknown = false};
-}
 
 class NavigatorOfParts final : public Navigator {
  public:
@@ -60,6 +32,9 @@ class NavigatorOfParts final : public Navigator {
   absl::Status CancelGoal(uint64_t id) override;
   void Pause() override;
   void Resume() override;
+  void Stop(const std::string& why) override;
+  void Release() override;
+  absl::Status Drive(const core::VelocityCommand& wanted) override;
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -87,6 +62,7 @@ class NavigatorOfParts final : public Navigator {
   std::optional<control::ControlPose> PoseAt(base::MonotonicTime stamp) const;
   core::VelocityCommand Decide();
   core::VelocityCommand StepLost(const control::ControlPose& pose);
+  bool WouldMoveByItself() const;
   void SetMode(NavigatorMode mode, core::NavigationCause cause,
                std::string text);
   void Command(const core::VelocityCommand& command, bool stops_at_once);
@@ -102,6 +78,8 @@ class NavigatorOfParts final : public Navigator {
   TiltMonitor tilt_;
   DeadlineMonitor deadline_;
   SafeStop safe_stop_;
+  LatchedStop stop_;
+  ManualDrive manual_;
   GoalExecutor runner_;
 
   base::MonotonicTime now_;
@@ -137,6 +115,8 @@ NavigatorOfParts::NavigatorOfParts(NavigatorParts parts,
       tilt_(robot, options.limits),
       deadline_(options.control_hz, options.limits, events_),
       safe_stop_(options.limits, events_),
+      stop_(events_),
+      manual_(events_),
       runner_(parts_.map, *parts_.planner, *parts_.controller, options,
               events_) {}
 
@@ -157,8 +137,15 @@ void NavigatorOfParts::Step() {
 
   const bool stood = safe_stop_.is_active();
   safe_stop_.Update(FindProblems(), now_);
+  if (stop_.is_held()) {
+    SetMode(NavigatorMode::kStopped, core::NavigationCause::kStopped,
+            stop_.stop()->why);
+    Command({}, true);
+    return;
+  }
   if (safe_stop_.is_active()) {
     if (!stood) runner_.Suspend();
+    manual_.End();
     SetMode(NavigatorMode::kSafeStop, safe_stop_.reason().cause,
             safe_stop_.reason().text);
     Command({}, true);
@@ -198,8 +185,9 @@ void NavigatorOfParts::ChooseFrame() {
 
 std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
   const std::optional<localization::TrackedPose> place = parts_.tracker->Pose();
-  if (!is_unplaced_) return OfPose(place);
-  std::optional<control::ControlPose> pose = OfMotion(parts_.tracker->Motion());
+  if (!is_unplaced_) return ControlPoseOf(place);
+  std::optional<control::ControlPose> pose =
+      ControlPoseOf(parts_.tracker->Motion());
   if (pose.has_value() && place.has_value() &&
       parts_.lost->state() == RelocalizationState::kConfirming) {
     pose->supposed = place->pose;
@@ -209,8 +197,8 @@ std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
 
 std::optional<control::ControlPose> NavigatorOfParts::PoseAt(
     base::MonotonicTime stamp) const {
-  return is_unplaced_ ? OfMotion(parts_.tracker->MotionAt(stamp))
-                      : OfPose(parts_.tracker->PoseAt(stamp));
+  return is_unplaced_ ? ControlPoseOf(parts_.tracker->MotionAt(stamp))
+                      : ControlPoseOf(parts_.tracker->PoseAt(stamp));
 }
 
 void NavigatorOfParts::FeedController() {
@@ -328,6 +316,11 @@ core::VelocityCommand NavigatorOfParts::Decide() {
             is_halted_ ? "halted" : "waiting for sensors");
     return {};
   }
+  if (const auto wanted = manual_.Wanted(now_)) {
+    SetMode(NavigatorMode::kManual, core::NavigationCause::kNone,
+            "driven by hand");
+    return parts_.controller->Guard(*pose, *wanted);
+  }
   if (is_paused_) {
     SetMode(NavigatorMode::kPaused, core::NavigationCause::kNone, "paused");
     return parts_.controller->Guard(*pose, {});
@@ -424,19 +417,13 @@ void NavigatorOfParts::Command(const core::VelocityCommand& command,
 
 absl::StatusOr<uint64_t> NavigatorOfParts::SetGoal(const NavigationGoal& goal) {
   events_.SetTime(clock_.Now());
+  TL_RETURN_IF_ERROR(stop_.Refuse("the goal"));
   if (goal.poses.empty()) {
     return absl::InvalidArgumentError(
         "a goal without poses; it needs one at least");
   }
   for (const core::LevelPose& pose : goal.poses) {
-    if (!IsFinite(pose)) {
-      return absl::InvalidArgumentError("a goal's pose is not finite");
-    }
-    if (pose.place.level < 0 || pose.place.level >= parts_.map->levels()) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("a goal on level %d; the map has levels 0 to %d",
-                          pose.place.level, parts_.map->levels() - 1));
-    }
+    TL_RETURN_IF_ERROR(CheckOnLevels(pose, "a goal", parts_.map->levels()));
   }
   return runner_.Start(goal);
 }
@@ -469,19 +456,48 @@ void NavigatorOfParts::Resume() {
   events_.Add("resume", "goes on");
 }
 
+void NavigatorOfParts::Stop(const std::string& why) {
+  now_ = clock_.Now();
+  events_.SetTime(now_);
+  if (!stop_.Hold(why, now_)) return;
+  manual_.End();
+  runner_.End({.state = GoalState::kCancelled,
+               .cause = core::NavigationCause::kStopped,
+               .why = "the robot was stopped: " + why});
+}
+
+// A goal has ended with the stop.
+bool NavigatorOfParts::WouldMoveByItself() const {
+  return parts_.lost->IsActive() ||
+         (options_.finds_itself_at_start && !has_looked_for_itself_ &&
+          !parts_.tracker->Pose().has_value());
+}
+
+void NavigatorOfParts::Release() {
+  now_ = clock_.Now();
+  events_.SetTime(now_);
+  if (stop_.Release(now_) && WouldMoveByItself()) Pause();
+}
+
+absl::Status NavigatorOfParts::Drive(const core::VelocityCommand& wanted) {
+  now_ = clock_.Now();
+  events_.SetTime(now_);
+  TL_RETURN_IF_ERROR(stop_.Refuse("driving by hand"));
+  if (safe_stop_.is_active()) {
+    return absl::FailedPreconditionError("driving by hand is refused: " +
+                                         safe_stop_.reason().text);
+  }
+  TL_RETURN_IF_ERROR(manual_.Drive(wanted, now_));
+  if (runner_.is_active() || WouldMoveByItself()) Pause();
+  return absl::OkStatus();
+}
+
 absl::Status NavigatorOfParts::SetPose(
     const core::LevelPose& pose,
     const localization::PoseCovariance2& covariance) {
   now_ = clock_.Now();
   events_.SetTime(now_);
-  if (!IsFinite(pose)) {
-    return absl::InvalidArgumentError("the pose is not finite");
-  }
-  if (pose.place.level < 0 || pose.place.level >= parts_.map->levels()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("a pose on level %d; the map has levels 0 to %d",
-                        pose.place.level, parts_.map->levels() - 1));
-  }
+  TL_RETURN_IF_ERROR(CheckOnLevels(pose, "a pose", parts_.map->levels()));
   core::LevelPose placed = pose;
   const std::optional<core::LevelPlace> ground =
       parts_.map->GroundOf(pose.map_from_base.translation, pose.place.level);
@@ -525,6 +541,7 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.mode = mode_;
   shot.cause = cause_;
   shot.cause_text = cause_text_;
+  shot.stop = stop_.stop();
   shot.pose = parts_.tracker->Pose();
   shot.verdict = parts_.tracker->verdict();
   shot.goal = runner_.status();

@@ -22,6 +22,10 @@ const char* NavigatorModeName(NavigatorMode mode) {
       return "safe_stop";
     case NavigatorMode::kNeedHelp:
       return "need_help";
+    case NavigatorMode::kStopped:
+      return "stopped";
+    case NavigatorMode::kManual:
+      return "manual";
   }
   return "unknown";
 }

@@ -27,7 +27,9 @@ enum class NavigatorMode : uint8_t {
   kRelocalizing = 5,  // asks, looks around, confirms
   kPaused = 6,
   kSafeStop = 7,  // a device is lost; goes on by itself when it is back
-  kNeedHelp = 8   // nobody found its place: waits to be told
+  kNeedHelp = 8,  // nobody found its place: waits to be told
+  kStopped = 9,   // by somebody; stands until it is released
+  kManual = 10    // driven by hand
 };
 const char* NavigatorModeName(NavigatorMode mode);
 
@@ -56,8 +58,8 @@ struct NavigatorEvent {
   // From 1 upwards, without gaps.
   uint64_t number = 0;
   // "goal", "plan", "blocked", "recovery", "lost", "fix", "stop", "resume",
-  // "pose", "pause", "sensor", "deadline"; RelocalizationBehavior's "help",
-  // "check".
+  // "pose", "pause", "sensor", "deadline", "release", "manual";
+  // RelocalizationBehavior's "help", "check".
   std::string kind;
   std::string text;
 };
@@ -76,6 +78,12 @@ struct SensorTally {
   int64_t repeated = 0;
 };
 
+// A stop that holds until it is released.
+struct OperatorStop {
+  std::string why;
+  base::MonotonicTime since;
+};
+
 // What people and programs are shown. Copied under no lock: taken by the thread
 // that steps.
 struct NavigatorSnapshot {
@@ -83,6 +91,8 @@ struct NavigatorSnapshot {
   NavigatorMode mode = NavigatorMode::kIdle;
   core::NavigationCause cause = core::NavigationCause::kNone;
   std::string cause_text;
+  // nullopt: nobody has stopped it.
+  std::optional<OperatorStop> stop;
   std::optional<localization::TrackedPose> pose;
   localization::LostVerdict verdict;
   std::optional<GoalStatus> goal;

@@ -109,12 +109,14 @@ class TakenGoalTest : public NavigatorFixture {
   }
 };
 
-TEST_F(TakenGoalTest, IsReachedBesideAfterAWait) {
+TEST_F(TakenGoalTest, IsGivenUpBesideAfterAWait) {
   ArriveBeside();
   Run(9);
   EXPECT_EQ(Goal().state, GoalState::kActive);
   Run(2);
-  EXPECT_EQ(Goal().state, GoalState::kSucceeded);
+  EXPECT_EQ(Goal().state, GoalState::kFailed);
+  EXPECT_EQ(Goal().cause, core::NavigationCause::kGoalBlocked);
+  EXPECT_DOUBLE_EQ(Goal().to_go_m, 0.6);
   EXPECT_EQ(Count("goal", "0.60 m beside the goal, where something stands"), 1);
 }
 

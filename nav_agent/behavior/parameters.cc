@@ -71,6 +71,7 @@ std::vector<base::ParameterRow> BehaviorParameters() {
       base::RowOf(kMaxAskAhead_m),
       base::RowOf(kShownParticles),
       base::RowOf(kMaxWaitingEvents),
+      base::RowOf(kManualLease_s),
       base::RowOf(kMinRangeShare),
       base::RowOf(kFrozen_s),
       base::RowOf(kFrozenRetry_s),

@@ -31,6 +31,9 @@ inline constexpr base::Parameter<size_t> kShownParticles{
 inline constexpr base::Parameter<size_t> kMaxWaitingEvents{
     "max_waiting_events", 10000, "", base::ParameterOrigin::kPhysics,
     "bounds the memory of events that nobody takes"};
+inline constexpr base::Parameter<double> kManualLease_s{
+    "manual_lease", 0.3, "s", base::ParameterOrigin::kPhysics,
+    "of driving by hand without a word; bases keep a velocity as long"};
 
 // ---- What sensors say ----
 

@@ -112,7 +112,7 @@ class FakeController final : public control::LocalController {
   core::VelocityCommand Guard(const control::ControlPose& pose,
                               const core::VelocityCommand& wanted) override {
     last_guarded = pose;
-    return wanted;
+    return guard_stops ? core::VelocityCommand{} : wanted;
   }
   bool CanTurn(const control::ControlPose& /*pose*/) const override {
     return can_turn;
@@ -143,6 +143,7 @@ class FakeController final : public control::LocalController {
   int clears = 0;
   int steps = 0;
   bool can_turn = true;
+  bool guard_stops = false;
   double quiet_s = 100;
   double free_m = 10;
   std::optional<control::ControlPose> last_scan_pose;

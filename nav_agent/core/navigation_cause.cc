@@ -11,7 +11,7 @@ struct CauseText {
   const char* advice;
 };
 
-constexpr std::array<CauseText, 20> kTexts = {{
+constexpr std::array<CauseText, 21> kTexts = {{
     {"none", "Nothing is wrong."},
     {"start_blocked",
      "No free ground is near the robot: move it by hand into the open, or map "
@@ -41,6 +41,8 @@ constexpr std::array<CauseText, 20> kTexts = {{
     {"need_help",
      "Show the robot where it is: set its pose on the operator's page."},
     {"internal", "This is a defect: send the log to the developers."},
+    {"stopped",
+     "Somebody stopped the robot: release it when nothing is in danger."},
 }};
 
 const CauseText& TextOf(NavigationCause cause) {

@@ -30,7 +30,9 @@ enum class NavigationCause : uint8_t {
   kControlLate = 16,   // the control loop missed its deadline by too much
   kTilted = 17,        // lifted, or on ground that is too steep
   kNeedHelp = 18,      // lost, and neither server nor search found it
-  kInternal = 19       // a defect of this program
+  kInternal = 19,      // a defect of this program
+  // ---- of operators ----
+  kStopped = 20  // stopped until somebody releases it
 };
 
 // "goal_blocked" and so on.

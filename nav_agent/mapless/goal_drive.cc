@@ -172,6 +172,33 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
   return best.value_or(core::VelocityCommand());
 }
 
+RobotMotion GoalDrive::MotionAhead(const ReckonedPose& pose,
+                                   const core::VelocityCommand& command,
+                                   base::MonotonicTime now) const {
+  // One step from now.
+  const double ahead_s =
+      std::clamp(base::SecondsBetween(pose.stamp, now), 0.0, 0.1) +
+      1 / options_.control_hz;
+  return {
+      .map_from_base = MovedOn(
+          pose.map_from_base, 0.5 * (pose.forward_mps + command.forward_mps),
+          0.5 * (pose.yaw_rate_radps + command.yaw_rate_radps), ahead_s),
+      .forward_mps = pose.forward_mps,
+      .yaw_rate_radps = pose.yaw_rate_radps};
+}
+
+core::VelocityCommand GoalDrive::Allow(const ReckonedPose& pose,
+                                       const core::VelocityCommand& command,
+                                       const core::VelocityCommand& wanted,
+                                       const EvidenceGrid& map,
+                                       base::MonotonicTime now) const {
+  const geometry::Vec2 position = pose.map_from_base.translation;
+  const geometry::Vec2 reach = {kWindow_m, kWindow_m};
+  return rollouts_.Allow(
+      MotionAhead(pose, command, now),
+      ClearanceWindow(map, position - reach, position + reach), wanted);
+}
+
 core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
                                       const core::VelocityCommand& command,
                                       EvidenceGrid& map,
@@ -182,16 +209,7 @@ core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
     status_->driven_m += geometry::Norm(position - *last_position_);
   }
   last_position_ = position;
-  // Where it will be when the command is obeyed, one step from now.
-  const double ahead_s =
-      std::clamp(base::SecondsBetween(pose.stamp, now), 0.0, 0.1) +
-      1 / options_.control_hz;
-  const RobotMotion motion = {
-      .map_from_base = MovedOn(
-          pose.map_from_base, 0.5 * (pose.forward_mps + command.forward_mps),
-          0.5 * (pose.yaw_rate_radps + command.yaw_rate_radps), ahead_s),
-      .forward_mps = pose.forward_mps,
-      .yaw_rate_radps = pose.yaw_rate_radps};
+  const RobotMotion motion = MotionAhead(pose, command, now);
   const geometry::Vec2 reach = {kWindow_m, kWindow_m};
   const ClearanceWindow clearance(map, position - reach, position + reach);
   if (Arrives(motion, now)) {

@@ -34,6 +34,13 @@ class GoalDrive {
                              const core::VelocityCommand& command,
                              EvidenceGrid& map, base::MonotonicTime now);
 
+  // As much of a command of somebody else as what is seen allows.
+  core::VelocityCommand Allow(const ReckonedPose& pose,
+                              const core::VelocityCommand& command,
+                              const core::VelocityCommand& wanted,
+                              const EvidenceGrid& map,
+                              base::MonotonicTime now) const;
+
   bool is_active() const { return is_active_; }
   bool is_backing_off() const { return back_off_until_.has_value(); }
   // Of the last goal; nullopt: there was none.
@@ -44,6 +51,10 @@ class GoalDrive {
   geometry::Rigid2 Target() const {
     return goal_.poses[status_->next_pose].map_from_base;
   }
+  // When the next command is obeyed.
+  RobotMotion MotionAhead(const ReckonedPose& pose,
+                          const core::VelocityCommand& command,
+                          base::MonotonicTime now) const;
   bool Arrives(const RobotMotion& motion, base::MonotonicTime now);
   void Plan(const RobotMotion& motion, EvidenceGrid& map,
             base::MonotonicTime now);

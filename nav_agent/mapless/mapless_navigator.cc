@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
+#include "nav_agent/behavior/operator_control.h"
 #include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/behavior/sensor_monitor.h"
 #include "nav_agent/mapless/goal_drive.h"
@@ -37,6 +38,8 @@ class MaplessNavigator final : public behavior::Navigator {
         tilt_(robot, limits_),
         deadline_(options.control_hz, limits_, events_),
         safe_stop_(limits_, events_),
+        stop_(events_),
+        manual_(events_),
         drive_(robot, options, events_) {
     MarkKnown();
   }
@@ -47,6 +50,9 @@ class MaplessNavigator final : public behavior::Navigator {
   absl::Status CancelGoal(uint64_t id) override;
   void Pause() override { is_paused_ = true; }
   void Resume() override { is_paused_ = false; }
+  void Stop(const std::string& why) override;
+  void Release() override;
+  absl::Status Drive(const core::VelocityCommand& wanted) override;
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -83,6 +89,8 @@ class MaplessNavigator final : public behavior::Navigator {
   behavior::TiltMonitor tilt_;
   behavior::DeadlineMonitor deadline_;
   behavior::SafeStop safe_stop_;
+  behavior::LatchedStop stop_;
+  behavior::ManualDrive manual_;
   DeadReckoning reckoning_;
   EvidenceGrid map_;
   GoalDrive drive_;
@@ -123,7 +131,15 @@ void MaplessNavigator::Step() {
   }
   FeedScans();
   safe_stop_.Update(FindProblems(), now_);
+  if (stop_.is_held()) {
+    mode_ = NavigatorMode::kStopped;
+    cause_ = core::NavigationCause::kStopped;
+    cause_text_ = stop_.stop()->why;
+    Command({}, true);
+    return;
+  }
   if (safe_stop_.is_active()) {
+    manual_.End();
     mode_ = NavigatorMode::kSafeStop;
     cause_ = safe_stop_.reason().cause;
     cause_text_ = safe_stop_.reason().text;
@@ -170,6 +186,11 @@ core::VelocityCommand MaplessNavigator::Decide() {
     cause_text_ = is_halted_ ? "halted" : "waiting for sensors";
     return {};
   }
+  if (const auto wanted = manual_.Wanted(now_)) {
+    mode_ = NavigatorMode::kManual;
+    cause_text_ = "driven by hand";
+    return drive_.Allow(*pose, command_, *wanted, map_, now_);
+  }
   if (is_paused_) {
     mode_ = NavigatorMode::kPaused;
     return {};
@@ -186,15 +207,13 @@ core::VelocityCommand MaplessNavigator::Decide() {
 void MaplessNavigator::Command(const core::VelocityCommand& command,
                                bool stops_at_once) {
   command_ = command;
-  if (stops_at_once) {
-    devices_.base.Stop();
-    return;
-  }
+  if (stops_at_once) devices_.base.Stop();
   sensors_.NoteBaseAnswer(devices_.base.SetVelocity(command));
 }
 
 absl::StatusOr<uint64_t> MaplessNavigator::SetGoal(
     const behavior::NavigationGoal& goal) {
+  TL_RETURN_IF_ERROR(stop_.Refuse("the goal"));
   if (goal.poses.empty()) {
     return absl::InvalidArgumentError("a goal needs at least one pose");
   }
@@ -215,6 +234,35 @@ absl::Status MaplessNavigator::CancelGoal(uint64_t id) {
   }
   drive_.End(behavior::GoalState::kCancelled, core::NavigationCause::kCancelled,
              "cancelled");
+  return absl::OkStatus();
+}
+
+void MaplessNavigator::Stop(const std::string& why) {
+  now_ = clock_.Now();
+  events_.SetTime(now_);
+  if (!stop_.Hold(why, now_)) return;
+  manual_.End();
+  if (!drive_.is_active()) return;
+  drive_.End(behavior::GoalState::kCancelled, core::NavigationCause::kStopped,
+             "the robot was stopped: " + why);
+}
+
+void MaplessNavigator::Release() {
+  now_ = clock_.Now();
+  events_.SetTime(now_);
+  stop_.Release(now_);
+}
+
+absl::Status MaplessNavigator::Drive(const core::VelocityCommand& wanted) {
+  now_ = clock_.Now();
+  events_.SetTime(now_);
+  TL_RETURN_IF_ERROR(stop_.Refuse("driving by hand"));
+  if (safe_stop_.is_active()) {
+    return absl::FailedPreconditionError("driving by hand is refused: " +
+                                         safe_stop_.reason().text);
+  }
+  TL_RETURN_IF_ERROR(manual_.Drive(wanted, now_));
+  if (drive_.is_active()) is_paused_ = true;
   return absl::OkStatus();
 }
 
@@ -242,6 +290,7 @@ behavior::NavigatorSnapshot MaplessNavigator::Snapshot() const {
   snapshot.mode = mode_;
   snapshot.cause = cause_;
   snapshot.cause_text = cause_text_;
+  snapshot.stop = stop_.stop();
   if (const std::optional<ReckonedPose> pose = reckoning_.Newest()) {
     snapshot.pose = localization::TrackedPose{
         .stamp = pose->stamp,

@@ -195,6 +195,47 @@ TEST_F(MaplessNavigatorTest, PausesCancelsAndHalts) {
   EXPECT_EQ(base_.commands.back(), core::VelocityCommand());
 }
 
+TEST_F(MaplessNavigatorTest, AStopHoldsUntilItIsReleased) {
+  Make();
+  SetGoal({5, 0});
+  Step(40);
+  ASSERT_GT(base_.commands.back().forward_mps, 0.3);
+  navigator_->Stop("a child");
+  Step(1);
+  EXPECT_GT(base_.stops, 0);
+  EXPECT_EQ(base_.commands.back(), core::VelocityCommand());
+  Step(100);
+  EXPECT_EQ(base_.commands.back(), core::VelocityCommand());
+  EXPECT_EQ(navigator_->mode(), behavior::NavigatorMode::kStopped);
+  EXPECT_EQ(navigator_->goal()->cause, core::NavigationCause::kStopped);
+  EXPECT_FALSE(
+      navigator_
+          ->SetGoal({.poses = {{.map_from_base = {{5, 0}, 0}, .place = {}}}})
+          .ok());
+  EXPECT_FALSE(
+      navigator_->Drive({.forward_mps = 0.2, .yaw_rate_radps = 0}).ok());
+  navigator_->Release();
+  Step(40);
+  EXPECT_EQ(navigator_->mode(), behavior::NavigatorMode::kIdle);
+  EXPECT_EQ(base_.commands.back(), core::VelocityCommand());
+}
+
+TEST_F(MaplessNavigatorTest, IsDrivenByHandAndNotIntoWhatItSees) {
+  posts_ = {{1.0, 0}};
+  Make();
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_TRUE(
+        navigator_->Drive({.forward_mps = 0.5, .yaw_rate_radps = 0}).ok());
+    Step(5);
+    ASSERT_EQ(navigator_->mode(), behavior::NavigatorMode::kManual);
+  }
+  EXPECT_FALSE(touched_);
+  EXPECT_GT(pose_.translation.x, 0.1);
+  Step(20);
+  EXPECT_EQ(navigator_->mode(), behavior::NavigatorMode::kIdle);
+  EXPECT_EQ(base_.commands.back(), core::VelocityCommand());
+}
+
 TEST_F(MaplessNavigatorTest, AnotherPoseIsAnotherFrame) {
   Make();
   ASSERT_TRUE(

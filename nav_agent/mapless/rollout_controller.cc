@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kStep_s = 0.1;
 // Shares of the fastest that are tried, forward and of the curve.
+// Of a command of somebody else, tried out in this order.
+constexpr double kAllowedShares[] = {1, 0.75, 0.5, 0.25, 0.1};
 constexpr double kSpeeds[] = {0, 0.05, 0.12, 0.25, 0.4, 0.55, 0.75, 1};
 constexpr double kCurves[] = {-1,  -0.65, -0.4, -0.22, -0.1, 0,
                               0.1, 0.22,  0.4,  0.65,  1};
@@ -168,6 +170,23 @@ core::VelocityCommand RolloutController::Turn(const RobotMotion& motion,
   return TryOut(motion, choice, clearance).has_value()
              ? choice.first
              : core::VelocityCommand();
+}
+
+core::VelocityCommand RolloutController::Allow(
+    const RobotMotion& motion, const ClearanceWindow& clearance,
+    const core::VelocityCommand& wanted) const {
+  const double forward_mps = std::clamp(
+      wanted.forward_mps, -limits_.max_forward_mps, limits_.max_forward_mps);
+  const double yaw_rate_radps =
+      std::clamp(wanted.yaw_rate_radps, -limits_.max_yaw_rate_radps,
+                 limits_.max_yaw_rate_radps);
+  for (const double share : kAllowedShares) {
+    const Choice choice = {.first = {.forward_mps = share * forward_mps,
+                                     .yaw_rate_radps = share * yaw_rate_radps},
+                           .later_yaw_rate_radps = share * yaw_rate_radps};
+    if (TryOut(motion, choice, clearance).has_value()) return choice.first;
+  }
+  return {};
 }
 
 }  // namespace treeline::mapless

@@ -48,6 +48,10 @@ class RolloutController {
   core::VelocityCommand Turn(const RobotMotion& motion,
                              const ClearanceWindow& clearance,
                              double by_rad) const;
+  // The largest part of a command of somebody else that is possible.
+  core::VelocityCommand Allow(const RobotMotion& motion,
+                              const ClearanceWindow& clearance,
+                              const core::VelocityCommand& wanted) const;
   // Another goal: the last command means nothing.
   void Restart() { last_.reset(); }
 

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::agent_service {
 namespace {
@@ -149,6 +151,61 @@ absl::Status AgentCommands::Resume() {
   return hub_.Do([](behavior::Navigator& navigator) {
     navigator.Resume();
     return absl::OkStatus();
+  });
+}
+
+absl::StatusOr<StopKeeping> AgentCommands::Stop(const std::string& why) {
+  if (why.size() > kMaxWhyBytes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("why has ", why.size(), " bytes; at most ", kMaxWhyBytes));
+  }
+  const std::string said = why.empty() ? "somebody stopped it" : why;
+  ++stopped_;
+  const absl::Status done = hub_.Do(
+      [&](behavior::Navigator& navigator) {
+        navigator.Stop(said);
+        return absl::OkStatus();
+      },
+      /*is_urgent=*/true);
+  // Kept even if no step took it: a restart finds it then.
+  StopKeeping keeping = {.status = stops_.Hold(said)};
+  TL_RETURN_IF_ERROR(done);
+  return keeping;
+}
+
+absl::StatusOr<StopKeeping> AgentCommands::Release() {
+  const int64_t stopped = stopped_;
+  StopKeeping keeping = {.status = stops_.Release()};
+  const absl::Status done =
+      hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
+        if (stopped_ != stopped) {
+          return absl::FailedPreconditionError(
+              "the robot was stopped again meanwhile");
+        }
+        navigator.Release();
+        return absl::OkStatus();
+      });
+  if (done.ok()) return keeping;
+  // It is stopped still, and so it is after a restart.
+  (void)stops_.Hold("a release that no step took");
+  return done;
+}
+
+void AgentCommands::StopAsKept(behavior::Navigator& navigator) {
+  if (const std::optional<std::string> why = stops_.why()) navigator.Stop(*why);
+}
+
+absl::Status AgentCommands::Drive(const core::VelocityCommand& wanted,
+                                  const std::string& driver,
+                                  uint64_t sequence) {
+  const absl::Time came = absl::Now();
+  TL_RETURN_IF_ERROR(seat_.Take(driver, sequence, came));
+  return hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
+    if (absl::Now() - came > absl::Seconds(behavior::kManualLease_s.value)) {
+      return absl::DeadlineExceededError(
+          "the control loop took the command when it was stale");
+    }
+    return navigator.Drive(wanted);
   });
 }
 

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_SERVICE_AGENT_COMMANDS_H_
 #define NAV_AGENT_SERVICE_AGENT_COMMANDS_H_
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,7 +14,9 @@
 #include "absl/synchronization/mutex.h"
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/agent_info.h"
+#include "nav_agent/service/driver_seat.h"
 #include "nav_agent/service/simulation_control.h"
+#include "nav_agent/service/stop_file.h"
 
 namespace treeline::agent_service {
 
@@ -27,15 +30,26 @@ struct RequestedPose {
 };
 
 inline constexpr size_t kMaxGoalPoses = 100;
+inline constexpr size_t kMaxWhyBytes = 200;
+
+// Of a stop, or a release, that was done.
+struct StopKeeping {
+  // OK: a restart finds it; else what is wrong.
+  absl::Status status;
+};
 
 // Thread-safe. Errors beside those below: as AgentHub::Do, and what the
 // navigator or the simulation says.
 class AgentCommands {
  public:
-  // simulation: null for a real robot. All must outlive it.
+  // simulation: null for a real robot. stops: null if no restart is to find
+  // them. All must outlive it.
   AgentCommands(AgentHub& hub, const AgentInfo& info,
-                SimulationControl* simulation)
-      : hub_(hub), info_(info), simulation_(simulation) {}
+                SimulationControl* simulation, StopFile* stops = nullptr)
+      : hub_(hub),
+        info_(info),
+        simulation_(simulation),
+        stops_(stops == nullptr ? forgotten_ : *stops) {}
 
   // Any thread. INVALID_ARGUMENT: none or too many, not finite, absurdly far,
   // or no such level, and which there are.
@@ -43,6 +57,17 @@ class AgentCommands {
   absl::Status Cancel(uint64_t goal_id);
   absl::Status Pause();
   absl::Status Resume();
+  // The robot stands from the next step on. The error is of that; what is wrong
+  // with keeping the stop is in the answer. INVALID_ARGUMENT: longer than
+  // kMaxWhyBytes.
+  absl::StatusOr<StopKeeping> Stop(const std::string& why);
+  // FAILED_PRECONDITION: it was stopped again meanwhile. The answer: what is
+  // wrong with keeping that.
+  absl::StatusOr<StopKeeping> Release();
+  // As ManualDrive and DriverSeat have it. DEADLINE_EXCEEDED: no step took it
+  // before it was stale.
+  absl::Status Drive(const core::VelocityCommand& wanted,
+                     const std::string& driver, uint64_t sequence);
   // Standard deviations (m, rad), in (0, 100]; INVALID_ARGUMENT otherwise.
   absl::Status SetPose(const RequestedPose& pose, double std_m, double std_rad);
   absl::Status FindYourself();
@@ -57,7 +82,9 @@ class AgentCommands {
   absl::Status RemoveObstacle(const std::string& name);
   absl::Status InjectFault(const RequestedFault& fault);
 
-  // For the stepping thread, and before anything steps: as SetGoal and SetPose.
+  // For the stepping thread, and before anything steps: as SetGoal and SetPose;
+  // and the stop that was kept.
+  void StopAsKept(behavior::Navigator& navigator);
   absl::StatusOr<uint64_t> SetGoalNow(behavior::Navigator& navigator,
                                       const std::vector<RequestedPose>& poses);
   static absl::Status SetPoseNow(behavior::Navigator& navigator,
@@ -84,6 +111,11 @@ class AgentCommands {
   AgentHub& hub_;
   const AgentInfo& info_;
   SimulationControl* const simulation_;
+  StopFile forgotten_;
+  StopFile& stops_;
+  // Stops so far: one during a release ends it.
+  std::atomic<int64_t> stopped_ = 0;
+  DriverSeat seat_;
   mutable absl::Mutex mutex_;
   // The newest goal.
   uint64_t goal_id_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 #include <vector>
 
+#include "common/base/testing_folder.h"
 #include "nav_agent/service/testing_navigator.h"
 
 namespace treeline::agent_service {
@@ -88,6 +90,47 @@ TEST(AgentCommands, ASimulatedOneCan) {
       agent.simulation.calls,
       ElementsAre("kidnap 1 0 on 1 at 1", "kidnap to kitchen",
                   "kidnap anywhere", "obstacle of 0.4 on 0", "remove box-1"));
+}
+
+TEST(AgentCommands, AStopHoldsUntilItIsReleased) {
+  SteppingAgent agent;
+  const auto kept = agent.commands.Stop("a child");
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_THAT(std::string(kept->status.message()), HasSubstr("--state-dir"));
+  EXPECT_TRUE(absl::IsFailedPrecondition(
+      agent.commands.SetGoal({{.x_m = 0.5}}).status()));
+  EXPECT_TRUE(absl::IsFailedPrecondition(agent.commands.Drive({}, "me", 1)));
+  EXPECT_TRUE(agent.commands.Release().ok());
+  EXPECT_TRUE(agent.commands.SetGoal({{.x_m = 0.5}}).ok());
+  EXPECT_TRUE(absl::IsInvalidArgument(
+      agent.commands.Stop(std::string(201, 'x')).status()));
+}
+
+TEST(AgentCommands, AStopIsKeptEvenIfNoStepTakesIt) {
+  const base::TestingFolder folder;
+  StopFile stops(folder.path());
+  AgentHub hub({.patience = absl::Milliseconds(5)});
+  const AgentInfo info = TestInfo();
+  AgentCommands commands(hub, info, nullptr, &stops);
+  EXPECT_TRUE(absl::IsDeadlineExceeded(commands.Stop("a child").status()));
+  EXPECT_TRUE(StopFile(folder.path()).why().has_value());
+  // What begins later finds it.
+  FakeNavigator navigator;
+  commands.StopAsKept(navigator);
+  EXPECT_TRUE(navigator.snapshot.stop.has_value());
+  // So it is after a release that no step takes.
+  EXPECT_TRUE(absl::IsDeadlineExceeded(commands.Release().status()));
+  EXPECT_TRUE(StopFile(folder.path()).why().has_value());
+}
+
+TEST(AgentCommands, AHandDrivesWithANameAndInOrder) {
+  SteppingAgent agent;
+  const core::VelocityCommand ahead = {.forward_mps = 0.2, .yaw_rate_radps = 0};
+  EXPECT_TRUE(agent.commands.Drive(ahead, "me", 2).ok());
+  EXPECT_TRUE(absl::IsAborted(agent.commands.Drive(ahead, "me", 2)));
+  EXPECT_TRUE(absl::IsInvalidArgument(agent.commands.Drive(ahead, "", 3)));
+  agent.Close();
+  EXPECT_EQ(agent.navigator.snapshot.command, ahead);
 }
 
 }  // namespace

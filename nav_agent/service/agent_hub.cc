@@ -35,17 +35,25 @@ absl::Status AgentHubOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::Status AgentHub::Do(Command command) {
+absl::Status AgentHub::Do(Command command, bool is_urgent) {
   const auto waiting = std::make_shared<Waiting>();
   waiting->command = std::move(command);
+  waiting->is_urgent = is_urgent;
   const absl::Time deadline = absl::Now() + options_.patience;
   const absl::MutexLock lock(&mutex_);
   if (is_closed_) return ClosedError();
-  if (commands_.size() >= static_cast<size_t>(options_.max_commands)) {
+  if (!is_urgent &&
+      commands_.size() >= static_cast<size_t>(options_.max_commands)) {
     return absl::ResourceExhaustedError(
         absl::StrCat(commands_.size(), " commands wait already"));
   }
-  commands_.push_back(waiting);
+  // Before all that are not.
+  const auto place =
+      is_urgent
+          ? std::find_if(commands_.begin(), commands_.end(),
+                         [](const auto& other) { return !other->is_urgent; })
+          : commands_.end();
+  commands_.insert(place, waiting);
   while (!waiting->is_done) {
     if (waiting->is_started) {
       // The caller's variables are in use: it must not go.
@@ -80,6 +88,11 @@ void AgentHub::RunCommands(behavior::Navigator& navigator) {
     next->is_done = true;
     done_.SignalAll();
   }
+}
+
+size_t AgentHub::waiting() const {
+  const absl::MutexLock lock(&mutex_);
+  return commands_.size();
 }
 
 std::shared_ptr<const AgentState> AgentHub::Latest() const {

@@ -78,8 +78,11 @@ class AgentHub {
   // Has the stepping thread run `command`, and waits for what it says. After
   // this has returned the command does not run any more. RESOURCE_EXHAUSTED:
   // too many wait; DEADLINE_EXCEEDED: no step took it in time; UNAVAILABLE:
-  // closed.
-  absl::Status Do(Command command);
+  // closed. Urgent ones come first, however many wait.
+  absl::Status Do(Command command, bool is_urgent = false);
+
+  // Commands that no step has taken yet.
+  size_t waiting() const;
 
   // The newest picture; null before the first.
   std::shared_ptr<const AgentState> Latest() const;
@@ -115,6 +118,7 @@ class AgentHub {
  private:
   struct Waiting {
     Command command;
+    bool is_urgent = false;
     bool is_started = false;
     bool is_done = false;
     absl::Status result;

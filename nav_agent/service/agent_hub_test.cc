@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -64,6 +65,35 @@ TEST(AgentHub, ACommandThatIsRunIsWaitedForWhateverItTakes) {
   for (int i = 0; i < 1000 && !started.HasBeenNotified(); ++i) {
     hub.RunCommands(navigator);
   }
+}
+
+TEST(AgentHub, WhatIsUrgentComesFirstHoweverManyWait) {
+  AgentHub hub(
+      {.max_commands = 2, .commands_in_step = 1, .patience = absl::Minutes(1)});
+  FakeNavigator navigator;
+  std::vector<std::string> ran;
+  const auto note = [&ran](const std::string& what) {
+    return [&ran, what](behavior::Navigator&) {
+      ran.push_back(what);
+      return absl::OkStatus();
+    };
+  };
+  const auto call = [&](const std::string& what, bool is_urgent) {
+    return std::jthread([&, what, is_urgent] {
+      EXPECT_TRUE(hub.Do(note(what), is_urgent).ok());
+    });
+  };
+  const std::jthread first = call("a", false);
+  const std::jthread second = call("b", false);
+  while (hub.waiting() < 2) absl::SleepFor(absl::Milliseconds(1));
+  EXPECT_TRUE(absl::IsResourceExhausted(hub.Do(note("c"))));
+  const std::jthread urgent = call("stop", true);
+  while (hub.waiting() < 3) absl::SleepFor(absl::Milliseconds(1));
+  hub.RunCommands(navigator);
+  EXPECT_THAT(ran, ElementsAre("stop"));
+  hub.RunCommands(navigator);
+  hub.RunCommands(navigator);
+  EXPECT_THAT(ran, SizeIs(3));
 }
 
 TEST(AgentHub, TheQueueIsBounded) {

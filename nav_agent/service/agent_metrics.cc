@@ -9,12 +9,13 @@
 namespace treeline::agent_service {
 namespace {
 
-constexpr std::array<behavior::NavigatorMode, 9> kModes = {
+constexpr std::array<behavior::NavigatorMode, 11> kModes = {
     behavior::NavigatorMode::kIdle,     behavior::NavigatorMode::kPlanning,
     behavior::NavigatorMode::kDriving,  behavior::NavigatorMode::kRecovering,
     behavior::NavigatorMode::kLost,     behavior::NavigatorMode::kRelocalizing,
     behavior::NavigatorMode::kPaused,   behavior::NavigatorMode::kSafeStop,
-    behavior::NavigatorMode::kNeedHelp,
+    behavior::NavigatorMode::kNeedHelp, behavior::NavigatorMode::kStopped,
+    behavior::NavigatorMode::kManual,
 };
 
 // About the 25 ms of the control loop (s).

@@ -97,6 +97,12 @@ Json TruthJson(const v1::RobotState& state) {
           {"height_m", Rounded(pose.height_m())}};
 }
 
+Json StopJson(const v1::RobotState& state) {
+  if (!state.has_stop()) return nullptr;
+  return {{"why", state.stop().why()},
+          {"since_s", Rounded(state.stop().since_s())}};
+}
+
 Json CostmapJson(const v1::RobotScene& scene) {
   if (!scene.has_costmap()) return nullptr;
   const v1::CostmapWindow& costmap = scene.costmap();
@@ -184,8 +190,14 @@ std::string StateJson(const v1::RobotState& state) {
                {"fix", FixJson(state)},
                {"devices", devices},
                {"truth", TruthJson(state)},
+               {"stop", StopJson(state)},
                {"missed_deadlines", state.missed_deadlines()},
                {"steps", state.steps()}});
+}
+
+std::string WarnedJson(const absl::Status& warning) {
+  if (warning.ok()) return Text({{"ok", true}});
+  return Text({{"ok", true}, {"warning", std::string(warning.message())}});
 }
 
 std::string SceneJson(const v1::RobotScene& scene) {

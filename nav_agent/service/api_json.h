@@ -23,6 +23,8 @@ std::string StateJson(const v1::RobotState& state);
 std::string SceneJson(const v1::RobotScene& scene);
 // Of the stream.
 std::string EventJson(const v1::RobotEvent& event);
+// {"ok":true}, and {"warning"} if it is not OK: of what was done.
+std::string WarnedJson(const absl::Status& warning);
 // {"error":{"code","message"}}; code: "invalid_argument" and so on. `status` is
 // not OK.
 std::string ErrorJson(const absl::Status& status);

@@ -58,6 +58,10 @@ void AddNavigationCalls(NavigationCalls& calls,
   AddUnary<v1::PauseRequest>(kService, "Pause", calls, &Calls::Pause, router);
   AddUnary<v1::ResumeRequest>(kService, "Resume", calls, &Calls::Resume,
                               router);
+  AddUnary<v1::StopRequest>(kService, "Stop", calls, &Calls::Stop, router);
+  AddUnary<v1::ReleaseRequest>(kService, "Release", calls, &Calls::Release,
+                               router);
+  AddUnary<v1::DriveRequest>(kService, "Drive", calls, &Calls::Drive, router);
   AddUnary<v1::GetInfoRequest>(kService, "GetInfo", calls, &Calls::GetInfo,
                                router);
   AddUnary<v1::GetMapsRequest>(kService, "GetMaps", calls, &Calls::GetMaps,

@@ -57,6 +57,24 @@ grpc::Status NavigationGrpcService::Resume(grpc::ServerContext* /*context*/,
   return Answer(calls_.Resume(*request), *response);
 }
 
+grpc::Status NavigationGrpcService::Stop(grpc::ServerContext* /*context*/,
+                                         const v1::StopRequest* request,
+                                         v1::StopResponse* response) {
+  return Answer(calls_.Stop(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::Release(grpc::ServerContext* /*context*/,
+                                            const v1::ReleaseRequest* request,
+                                            v1::ReleaseResponse* response) {
+  return Answer(calls_.Release(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::Drive(grpc::ServerContext* /*context*/,
+                                          const v1::DriveRequest* request,
+                                          v1::DriveResponse* response) {
+  return Answer(calls_.Drive(*request), *response);
+}
+
 grpc::Status NavigationGrpcService::StreamState(
     grpc::ServerContext* context, const v1::StreamStateRequest* request,
     grpc::ServerWriter<v1::StreamStateResponse>* writer) {

@@ -27,6 +27,15 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
   grpc::Status Resume(grpc::ServerContext* context,
                       const v1::ResumeRequest* request,
                       v1::ResumeResponse* response) override;
+  grpc::Status Stop(grpc::ServerContext* context,
+                    const v1::StopRequest* request,
+                    v1::StopResponse* response) override;
+  grpc::Status Release(grpc::ServerContext* context,
+                       const v1::ReleaseRequest* request,
+                       v1::ReleaseResponse* response) override;
+  grpc::Status Drive(grpc::ServerContext* context,
+                     const v1::DriveRequest* request,
+                     v1::DriveResponse* response) override;
   grpc::Status StreamState(
       grpc::ServerContext* context, const v1::StreamStateRequest* request,
       grpc::ServerWriter<v1::StreamStateResponse>* writer) override;

@@ -172,6 +172,18 @@ void HttpApi::AddPosts() {
       [](AgentCommands& commands) { return commands.Pause(); }, commands_);
   posts_["/api/resume"] = plain(
       [](AgentCommands& commands) { return commands.Resume(); }, commands_);
+  posts_["/api/stop"] =
+      [this](absl::string_view body) -> absl::StatusOr<std::string> {
+    TL_RETURN_IF_ERROR(ParseEmptyRequest(body));
+    TL_ASSIGN_OR_RETURN(const StopKeeping kept, commands_.Stop(""));
+    return WarnedJson(kept.status);
+  };
+  posts_["/api/release"] =
+      [this](absl::string_view body) -> absl::StatusOr<std::string> {
+    TL_RETURN_IF_ERROR(ParseEmptyRequest(body));
+    TL_ASSIGN_OR_RETURN(const StopKeeping kept, commands_.Release());
+    return WarnedJson(kept.status);
+  };
   posts_["/api/find-yourself"] =
       plain([](AgentCommands& commands) { return commands.FindYourself(); },
             commands_);

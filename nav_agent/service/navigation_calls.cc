@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/wire/geometry.h"
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/service/follow_goal.h"
 #include "nav_agent/service/map_pictures.h"
 #include "nav_agent/service/navigation_wire.h"
@@ -54,6 +55,34 @@ absl::StatusOr<v1::ResumeResponse> NavigationCalls::Resume(
     const v1::ResumeRequest& /*request*/) {
   TL_RETURN_IF_ERROR(commands_.Resume());
   return v1::ResumeResponse();
+}
+
+absl::StatusOr<v1::StopResponse> NavigationCalls::Stop(
+    const v1::StopRequest& request) {
+  TL_ASSIGN_OR_RETURN(const StopKeeping kept, commands_.Stop(request.why()));
+  v1::StopResponse response;
+  response.set_survives_restart(kept.status.ok());
+  response.set_warning(std::string(kept.status.message()));
+  return response;
+}
+
+absl::StatusOr<v1::ReleaseResponse> NavigationCalls::Release(
+    const v1::ReleaseRequest& /*request*/) {
+  TL_ASSIGN_OR_RETURN(const StopKeeping kept, commands_.Release());
+  v1::ReleaseResponse response;
+  response.set_warning(std::string(kept.status.message()));
+  return response;
+}
+
+absl::StatusOr<v1::DriveResponse> NavigationCalls::Drive(
+    const v1::DriveRequest& request) {
+  TL_RETURN_IF_ERROR(
+      commands_.Drive({.forward_mps = request.forward_mps(),
+                       .yaw_rate_radps = request.yaw_rate_radps()},
+                      request.driver(), request.sequence()));
+  v1::DriveResponse response;
+  response.set_lease_s(behavior::kManualLease_s);
+  return response;
 }
 
 absl::StatusOr<v1::GetInfoResponse> NavigationCalls::GetInfo(

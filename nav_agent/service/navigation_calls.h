@@ -30,6 +30,10 @@ class NavigationCalls {
   absl::StatusOr<v1::CancelResponse> Cancel(const v1::CancelRequest& request);
   absl::StatusOr<v1::PauseResponse> Pause(const v1::PauseRequest& request);
   absl::StatusOr<v1::ResumeResponse> Resume(const v1::ResumeRequest& request);
+  absl::StatusOr<v1::StopResponse> Stop(const v1::StopRequest& request);
+  absl::StatusOr<v1::ReleaseResponse> Release(
+      const v1::ReleaseRequest& request);
+  absl::StatusOr<v1::DriveResponse> Drive(const v1::DriveRequest& request);
   absl::StatusOr<v1::GetInfoResponse> GetInfo(
       const v1::GetInfoRequest& request) const;
   absl::StatusOr<v1::GetMapsResponse> GetMaps(

@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/base/clock.h"
 #include "common/geometry/planar_pose.h"
 #include "common/wire/geometry.h"
 
@@ -188,6 +189,12 @@ v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state) {
   }
   proto.set_steps(snapshot.steps);
   proto.set_missed_deadlines(state.missed_deadlines);
+  if (snapshot.stop.has_value()) {
+    v1::OperatorStop& stop = *proto.mutable_stop();
+    stop.set_why(Utf8(snapshot.stop->why));
+    stop.set_since_s(state.time_s - base::SecondsBetween(snapshot.stop->since,
+                                                         snapshot.stamp));
+  }
   if (snapshot.fix.has_value()) {
     *proto.mutable_fix() = FixToProto(info, snapshot);
   }

@@ -13,7 +13,8 @@ void FakeNavigator::Step() {
   ++snapshot.steps;
   if (!snapshot.goal.has_value() ||
       snapshot.goal->state != behavior::GoalState::kActive ||
-      snapshot.mode == behavior::NavigatorMode::kPaused) {
+      snapshot.mode == behavior::NavigatorMode::kPaused ||
+      snapshot.stop.has_value()) {
     return;
   }
   if (!snapshot.pose.has_value()) snapshot.pose = localization::TrackedPose{};
@@ -36,8 +37,31 @@ void FakeNavigator::Step() {
   goal.driven_m += kStride_m;
 }
 
+void FakeNavigator::Stop(const std::string& why) {
+  snapshot.stop = {.why = why, .since = snapshot.stamp};
+  snapshot.mode = behavior::NavigatorMode::kStopped;
+  snapshot.command = {};
+}
+
+void FakeNavigator::Release() {
+  snapshot.stop.reset();
+  snapshot.mode = behavior::NavigatorMode::kIdle;
+}
+
+absl::Status FakeNavigator::Drive(const core::VelocityCommand& wanted) {
+  if (snapshot.stop.has_value()) {
+    return absl::FailedPreconditionError("it is stopped");
+  }
+  snapshot.command = wanted;
+  snapshot.mode = behavior::NavigatorMode::kManual;
+  return absl::OkStatus();
+}
+
 absl::StatusOr<uint64_t> FakeNavigator::SetGoal(
     const behavior::NavigationGoal& goal) {
+  if (snapshot.stop.has_value()) {
+    return absl::FailedPreconditionError("it is stopped");
+  }
   last_goal = goal;
   behavior::GoalStatus status;
   status.id = ++goals_;

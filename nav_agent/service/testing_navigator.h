@@ -23,6 +23,9 @@ class FakeNavigator final : public behavior::Navigator {
   absl::Status CancelGoal(uint64_t id) override;
   void Pause() override { snapshot.mode = behavior::NavigatorMode::kPaused; }
   void Resume() override { snapshot.mode = behavior::NavigatorMode::kIdle; }
+  void Stop(const std::string& why) override;
+  void Release() override;
+  absl::Status Drive(const core::VelocityCommand& wanted) override;
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,6 +18,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "absl/time/clock.h"
 #include "common/base/file.h"
 #include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/map_bundle/map_bundle.h"
@@ -111,13 +113,60 @@ class AgentRunTest : public testing::Test {
     return feedback;
   }
 
+  // Waits for the first step: 503 says that there was none.
   Json Get(const std::string& path) const {
-    const auto answer = httplib::Client(page_).Get(path);
+    auto answer = httplib::Client(page_).Get(path);
+    for (int i = 0; i < 600 && answer && answer->status == 503; ++i) {
+      absl::SleepFor(absl::Milliseconds(100));
+      answer = httplib::Client(page_).Get(path);
+    }
     if (!answer || answer->status != 200) {
       ADD_FAILURE() << path << " " << (answer ? answer->body : "no answer");
       return nullptr;
     }
     return Json::parse(answer->body);
+  }
+  // The first state that `holds`; null if there is none for a minute.
+  Json StateWhere(const std::function<bool(const Json&)>& holds) const {
+    for (int i = 0; i < 1200; ++i) {
+      Json state = Get("/api/state");
+      if (state.is_null() || holds(state)) return state;
+      absl::SleepFor(absl::Milliseconds(50));
+    }
+    ADD_FAILURE() << "the state is still " << Get("/api/state");
+    return nullptr;
+  }
+  grpc::Status Stop(const std::string& why, v1::StopResponse& response) {
+    v1::StopRequest request;
+    request.set_why(why);
+    grpc::ClientContext context;
+    return stub_->Stop(&context, request, &response);
+  }
+  grpc::Status Release() {
+    grpc::ClientContext context;
+    v1::ReleaseResponse response;
+    return stub_->Release(&context, {}, &response);
+  }
+  grpc::Status Drive(double forward_mps, uint64_t sequence,
+                     const std::string& driver = "test") {
+    v1::DriveRequest request;
+    request.set_forward_mps(forward_mps);
+    request.set_driver(driver);
+    request.set_sequence(sequence);
+    grpc::ClientContext context;
+    v1::DriveResponse response;
+    return stub_->Drive(&context, request, &response);
+  }
+  grpc::Status Navigate(double x_m, double y_m) {
+    v1::NavigateRequest request;
+    request.add_poses()->set_x_m(x_m);
+    request.mutable_poses(0)->set_y_m(y_m);
+    request.set_keep_when_call_ends(true);
+    grpc::ClientContext context;
+    const auto stream = stub_->Navigate(&context, request);
+    v1::NavigateResponse first;
+    if (stream->Read(&first)) context.TryCancel();
+    return stream->Finish();
   }
   int Post(const std::string& path, const std::string& body) const {
     const auto answer = httplib::Client(page_).Post(path, {{"X-Treeline", "1"}},
@@ -173,6 +222,127 @@ TEST_F(AgentRunTest, AGoalOverHttpCanBeCancelledPausedAndRepeated) {
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
   EXPECT_EQ(Post("/api/sim/kidnap", R"({"place":"nowhere"})"), 404);
+}
+
+bool Stands(const Json& state) {
+  return state["command"]["forward_mps"] == 0 &&
+         state["command"]["yaw_rate_radps"] == 0;
+}
+
+TEST_F(AgentRunTest, AStopHoldsOverARestartUntilItIsReleased) {
+  const std::vector<std::string> arguments = {
+      "--simulate", "cafe",        "--people=false",  "--camera-hz",
+      "0",          "--state-dir", folder_ + "/state"};
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  EXPECT_EQ(Get("/api/state")["stop"], nullptr);
+  EXPECT_EQ(Navigate(kGoalX_m, kGoalY_m).error_code(),
+            grpc::StatusCode::CANCELLED);
+  StateWhere(
+      [](const Json& state) { return state["command"]["forward_mps"] > 0.1; });
+  v1::StopResponse stopped;
+  ASSERT_TRUE(Stop("a child", stopped).ok());
+  EXPECT_TRUE(stopped.survives_restart()) << stopped.warning();
+  const Json state =
+      StateWhere([](const Json& now) { return now["mode"] == "stopped"; });
+  EXPECT_TRUE(Stands(state)) << state;
+  EXPECT_EQ(state["stop"]["why"], "a child");
+  EXPECT_EQ(state["goal"]["state"], "cancelled");
+  EXPECT_EQ(state["goal"]["cause"], "stopped");
+  const grpc::Status refused = Navigate(kGoalX_m, kGoalY_m);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(refused.error_message(), HasSubstr("a child"));
+  EXPECT_EQ(Drive(0.2, 1).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  agent_->Signal(SIGKILL);
+  agent_->WaitForExit();
+
+  std::vector<std::string> again = arguments;
+  again.insert(again.end(), {"--goal", "9,7.7,0"});
+  ASSERT_NO_FATAL_FAILURE(StartAgent(again));
+  const Json later = Get("/api/state");
+  EXPECT_EQ(later["mode"], "stopped") << later;
+  EXPECT_EQ(later["stop"]["why"], "a child");
+  EXPECT_EQ(later["goal"], nullptr);
+  EXPECT_THAT(agent_->err(), HasSubstr("starts stopped"));
+  EXPECT_THAT(agent_->err(), HasSubstr("the goal is refused"));
+  ASSERT_TRUE(Release().ok());
+  StateWhere([](const Json& now) { return now["mode"] == "idle"; });
+  EXPECT_EQ(Post("/api/stop", "{}"), 200);
+  EXPECT_EQ(Post("/api/release", "{}"), 200);
+  agent_->Signal(SIGTERM);
+  EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
+
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  EXPECT_EQ(Get("/api/state")["stop"], nullptr);
+}
+
+TEST_F(AgentRunTest, AStopFileThatIsNotUnderstoodIsAStop) {
+  std::filesystem::create_directories(folder_ + "/state");
+  ASSERT_TRUE(
+      base::WriteNewFile(folder_ + "/state/stop", "treeline-stop 1\nrel").ok());
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
+                  "--state-dir", folder_ + "/state"}));
+  EXPECT_EQ(Get("/api/state")["mode"], "stopped");
+  EXPECT_THAT(agent_->err(), HasSubstr("whether it was stopped is not known"));
+  ASSERT_TRUE(Release().ok());
+  StateWhere([](const Json& now) { return now["mode"] == "idle"; });
+}
+
+TEST_F(AgentRunTest, OnAFullDiskTheRobotStartsStopped) {
+  // A limit on file sizes fails the write as a full disk does.
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
+                  "--state-dir", folder_ + "/state"},
+                 "trap '' XFSZ; ulimit -f 0"));
+  EXPECT_EQ(Get("/api/state")["mode"], "stopped");
+  EXPECT_THAT(agent_->err(), HasSubstr("no stop could be kept"));
+  ASSERT_TRUE(Release().ok());
+  StateWhere([](const Json& now) { return now["mode"] == "idle"; });
+  v1::StopResponse stopped;
+  ASSERT_TRUE(Stop("", stopped).ok());
+  EXPECT_FALSE(stopped.survives_restart());
+  EXPECT_NE(stopped.warning(), "");
+}
+
+TEST_F(AgentRunTest, IsDrivenByHandAndStandsWhenNobodySpeaks) {
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0"}));
+  const Json before = StateWhere([](const Json& state) {
+    return state["mode"] == "idle" && !state["truth"].is_null();
+  });
+  // On a busy machine commands come late, and some are refused.
+  uint64_t sequence = 0;
+  bool was_taken = false;
+  StateWhere([&](const Json& state) {
+    if (!Drive(0.3, ++sequence).ok()) return false;
+    was_taken = was_taken || Drive(0.3, 1, "another").error_code() ==
+                                 grpc::StatusCode::UNAVAILABLE;
+    return was_taken && state["mode"] == "manual" &&
+           state["command"]["forward_mps"] > 0.15;
+  });
+  EXPECT_EQ(Drive(0.3, 1).error_code(), grpc::StatusCode::ABORTED);
+  const Json after = StateWhere([](const Json& state) {
+    return state["mode"] == "idle" && Stands(state);
+  });
+  EXPECT_GT(after["truth"]["x"].get<double>(),
+            before["truth"]["x"].get<double>() + 0.02);
+}
+
+TEST_F(AgentRunTest, ASimulatedRobotStandsWhereItIsToldToStart) {
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
+                  "--start-at", "9,7.7,1.5"}));
+  const Json state = Get("/api/state");
+  EXPECT_NEAR(state["truth"]["x"], 9, 0.01);
+  EXPECT_NEAR(state["truth"]["y"], 7.7, 0.01);
+  EXPECT_NEAR(state["truth"]["yaw"], 1.5, 0.01);
+  EXPECT_THAT(agent_->err(), HasSubstr("is ready after"));
+  const ProgramResult inside =
+      RunProgram({TREELINE_AGENT, "run", "--simulate", "cafe", "--people=false",
+                  "--camera-hz", "0", "--listen", "", "--http-listen", "",
+                  "--start-at", "-30,0,0"});
+  EXPECT_EQ(inside.exit_code, 1);
+  EXPECT_THAT(inside.err, HasSubstr("--start-at"));
 }
 
 TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {

@@ -90,6 +90,7 @@ test('the robot is kidnapped, and a box is put in its way', async () => {
   browser = await launchServer(process.env.TREELINE_PAGE_WORK);
   const { page, wrongs, close } = await openPage(browser.browser, agent.url);
   const { truth: before } = await agent.get('api/state');
+  await page.click('#simulation summary');
   await page.selectOption('#place', 'terrace');
   await page.click('#kidnap-place');
   await text(page, '#events', 'the robot is lost');
@@ -103,6 +104,29 @@ test('the robot is kidnapped, and a box is put in its way', async () => {
   assert.equal(obstacles.length, 1);
   assert.ok(distance(obstacles[0], point(FLOOR)) < CLICK_M,
       JSON.stringify(obstacles));
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('the page drives the robot by hand, stops it and releases it', async () => {
+  const { page, wrongs, close } = await openPage(browser.browser, agent.url);
+  await page.focus('#drive-pad');
+  await page.keyboard.down('ArrowLeft');
+  await agent.stateWhere(({ mode, command }) =>
+    mode === 'manual' && command.yaw_rate_radps > 0.1);
+  await page.keyboard.up('ArrowLeft');
+  await agent.stateWhere(({ mode, command }) =>
+    mode !== 'manual' && command.yaw_rate_radps === 0);
+  await page.click('#stop');
+  await text(page, '#stopped', 'Stopped until it is released');
+  const { stop } = await agent.stateWhere(({ mode }) => mode === 'stopped');
+  assert.match(stop.why, /page/);
+  await page.click('#tool-goal');
+  await dragOnMap(page, FLOOR);
+  await text(page, '#toasts', 'the goal is refused');
+  await page.click('#release');
+  await agent.stateWhere(({ mode }) => mode !== 'stopped');
+  await text(page, '#events', 'released after');
   assert.deepEqual(wrongs, []);
   await close();
 });

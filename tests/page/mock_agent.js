@@ -70,6 +70,8 @@ export class MockAgent {
     this.driven = 0;
     this.obstacles = [];
     this.fix = null;
+    this.stopped = undefined;
+    this.stopWarning = '';
     this.events = [];
     this.time = 12;
     this.devices = ['laser', 'odometry', 'base', 'camera', 'server'].map(
@@ -209,6 +211,7 @@ export class MockAgent {
       forwardMps: this.mode === 'driving' ? 0.58 : 0,
       ...this.goal && { goal: { ...this.goal, toGoM: this.toGo(),
         drivenM: this.driven, replans: 1 }, goalPoses: this.goalPoses },
+      ...this.stopped && { stop: this.stopped },
       ...this.fix && { fix: this.fix }, devices: this.devices,
       ...this.simulated && { trueMapFromBase: {
         xM: x + 0.05, yM: y - 0.04, yawRad: yaw + 0.03, heightM } },
@@ -288,6 +291,7 @@ export class MockAgent {
       getInfo: () => this.info(),
       streamState: (_request, { signal }) => this.stream(signal),
       cancel: obey('Cancel'), pause: obey('Pause'), resume: obey('Resume'),
+      stop: obey('Stop'), release: obey('Release'), drive: obey('Drive'),
       setInitialPose: obey('SetInitialPose'),
       findYourself: obey('FindYourself'),
     });
@@ -387,6 +391,16 @@ export class MockAgent {
       case 'Resume':
         this.mode = this.path.length > 0 ? 'driving' : 'idle';
         return {};
+      case 'Stop':
+        this.stopped = { why: body.why, sinceS: 1 };
+        this.mode = 'stopped';
+        return { survivesRestart: this.stopWarning === '',
+          warning: this.stopWarning };
+      case 'Release':
+        this.stopped = undefined;
+        this.mode = 'idle';
+        return {};
+      case 'Drive': return { leaseS: 0.3 };
       case 'SetInitialPose': {
         const { xM, yM, yawRad } = body.mapFromBase;
         this.pose = { x: xM, y: yM, yaw: yawRad };

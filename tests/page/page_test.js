@@ -114,8 +114,144 @@ test('buttons ask for what they say', async () => {
   await close();
 });
 
+// Of the method, so many at least.
+async function askedTimes(method, times) {
+  for (let i = 0; i < 1500; ++i) {
+    const all = agent.asked.filter((entry) => entry.method === method);
+    if (all.length >= times) return all.map(({ body }) => body);
+    await new Promise((resolve) => { setTimeout(resolve, 20); });
+  }
+  assert.fail(`${method} was not asked ${times} times`);
+  return undefined;
+}
+
+test('a stop holds on the page until it is released', async () => {
+  const { page, wrongs, close } = await openPage(browser, url);
+  assert.equal(await page.isVisible('#stopped'), false);
+  await page.click('#stop');
+  assert.match((await asked('Stop')).why, /page/);
+  await text(page, '#mode', 'Stopped');
+  await text(page, '#stopped', 'Stopped until it is released');
+  await page.click('#release');
+  await asked('Release');
+  await page.waitForSelector('#stopped', { state: 'hidden' });
+  await text(page, '#mode', 'Ready');
+  await page.keyboard.press('x');
+  assert.equal((await askedTimes('Stop', 2)).length, 2);
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('a stop that a restart would forget says so', async () => {
+  agent.stopWarning = 'a restart forgets the stop';
+  const { page, close } = await openPage(browser, url);
+  await page.click('#stop');
+  await text(page, '#toasts', 'Stopped. a restart forgets the stop');
+  await close();
+});
+
+for (const [what, options] of [
+  ['1280 x 800', { viewport: { width: 1280, height: 800 } }],
+  ['a phone', { viewport: { width: 360, height: 740 }, isMobile: true,
+    hasTouch: true }],
+  ['a phone on its side', { viewport: { width: 740, height: 360 },
+    isMobile: true, hasTouch: true }],
+  ['a small window', { viewport: { width: 900, height: 500 } }],
+]) {
+  test(`the stop is in reach at ${what}, scrolled or not`, async () => {
+    const { page, close } = await openPage(browser, url, options);
+    const inReach = () => page.$eval('#stop', (stop) => {
+      const { x, y, width, height } = stop.getBoundingClientRect();
+      const at = document.elementFromPoint(x + width / 2, y + height / 2);
+      return at === stop && x >= 0 && y >= 0 && x + width <= innerWidth &&
+        y + height <= innerHeight && height >= 36;
+    });
+    assert.equal(await inReach(), true);
+    await page.$eval('#events', (events) => events.scrollIntoView());
+    assert.equal(await inReach(), true);
+    await agent.vanish();
+    await text(page, '#link', 'No connection');
+    assert.equal(await inReach(), true);
+    await close();
+  });
+}
+
+test('camera, devices and events are in sight at 1280 x 800', async () => {
+  const { page, close } = await openPage(
+      browser, url, { viewport: { width: 1280, height: 800 } });
+  await text(page, '#devices', 'Server');
+  for (const what of ['#stop', '#mode', '#drive-pad', '#camera .camera-frame',
+    '#devices li:last-child', '#events .events']) {
+    const box = await page.locator(what).boundingBox();
+    assert.ok(box.y >= 0 && box.y + box.height <= 800 && box.height > 10,
+        `${what}: ${JSON.stringify(box)}`);
+  }
+  // What breaks a simulated robot is not beside what drives it.
+  assert.equal(await page.isVisible('#kidnap-anywhere'), false);
+  assert.equal(await page.isVisible('#tool-kidnap'), false);
+  await close();
+});
+
+test('the pad drives while it is held, and its release is a stop', async () => {
+  const { page, wrongs, close } = await openPage(browser, url);
+  await page.locator('#drive-pad').scrollIntoViewIfNeeded();
+  const box = await page.locator('#drive-pad').boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, box.y + 4);
+  const held = await askedTimes('Drive', 4);
+  assert.ok(held.at(-1).forwardMps > 0.3, JSON.stringify(held.at(-1).forwardMps));
+  assert.notEqual(held[0].driver, '');
+  await page.mouse.up();
+  await page.waitForSelector('#drive-pad[data-driven=false]');
+  const all = agent.asked.filter(({ method }) => method === 'Drive')
+      .map(({ body }) => body);
+  const last = all.reduce((a, b) => (a.sequence > b.sequence ? a : b));
+  assert.equal(last.forwardMps, 0);
+  assert.equal(new Set(all.map(({ sequence }) => sequence)).size, all.length);
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('arrow keys drive; a page that loses the focus lets go', async () => {
+  const { page, close } = await openPage(browser, url);
+  await page.focus('#drive-pad');
+  await page.keyboard.down('ArrowUp');
+  await askedTimes('Drive', 3);
+  await page.evaluate(() => window.dispatchEvent(new Event('blur')));
+  await page.waitForSelector('#drive-pad[data-driven=false]');
+  const newest = () => agent.asked.filter(({ method }) => method === 'Drive')
+      .map(({ body }) => body)
+      .reduce((a, b) => (a.sequence > b.sequence ? a : b));
+  for (let i = 0; i < 1500 && newest().forwardMps !== 0; ++i) {
+    await page.waitForTimeout(20);
+  }
+  assert.equal(newest().forwardMps, 0);
+  await page.keyboard.up('ArrowUp');
+  await page.focus('#drive-pad');
+  await page.keyboard.down('ArrowLeft');
+  await page.waitForSelector('#drive-pad[data-driven=true]');
+  await page.focus('#pause');
+  await page.waitForSelector('#drive-pad[data-driven=false]');
+  await close();
+});
+
+test('a refusal to be driven is said once', async () => {
+  agent.refusals.set('Drive', 'The robot is stopped.');
+  const { page, close } = await openPage(browser, url);
+  await page.focus('#drive-pad');
+  await page.keyboard.down('ArrowUp');
+  await text(page, '#toasts', 'The robot is stopped.');
+  assert.equal(await page.locator('.toast').count(), 1);
+  assert.equal(
+      await page.getAttribute('#drive-pad', 'data-driven'), 'false');
+  await close();
+});
+
 test('in simulation the robot is kidnapped and hindered', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
+  await page.click('#simulation summary');
   await page.click('#kidnap-anywhere');
   assert.equal((await asked('Kidnap')).to.case, undefined);
   await page.selectOption('#place', 'kitchen');
@@ -241,6 +377,7 @@ for (const [what, go] of [
 test('layers are hidden, and stay so', async () => {
   const { page, close } = await openPage(browser, url);
   await page.click('.layers summary');
+  assert.equal(await page.isChecked('[data-layer=tree] input'), false);
   await page.uncheck('[data-layer=octomap] input');
   await page.reload();
   await page.waitForSelector('#map[data-map=ready]');

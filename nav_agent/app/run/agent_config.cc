@@ -65,6 +65,11 @@ void AddRobot(Table& table) {
             {.name = "record",
              .value_name = "FILE",
              .help = "Agent log to record the sensors into"});
+  table.Add(&AgentConfig::state_dir,
+            {.name = "state_dir",
+             .value_name = "DIR",
+             .help = "Folder where a stop is kept, so that a restart finds "
+                     "it; default: a restart forgets stops"});
 }
 
 void AddPlace(Table& table) {

@@ -32,6 +32,7 @@ struct AgentConfig {
   bool rear_laser = true;
   std::string robot = "rmp100";
   std::string record;
+  std::string state_dir;
   // ---- where it is ----
   std::string map;
   std::vector<std::string> start_at;

@@ -1,5 +1,7 @@
 #include "nav_agent/app/run/agent_robot.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
+#include "nav_agent/app/run/clear_start.h"
 #include "simulation/runs/localize_world.h"
 #include "simulation/runs/lost_suite_world.h"
 #include "simulation/simulator/scenario.h"
@@ -67,6 +70,14 @@ class NewestPictures final : public core::RgbdCamera {
 // Its body is called so in every world.
 constexpr char kCrate[] = "crate";
 constexpr int kKidnapTries = 500;
+// Between a robot that begins and people who walk past (m).
+constexpr double kStartRoom_m = 0.3;
+
+// From its middle, whichever way it stands.
+double StartRoom_m(const core::RobotModel& robot) {
+  return std::hypot(std::max(robot.front_m, robot.rear_m), robot.half_width_m) +
+         kStartRoom_m;
+}
 
 class SimulatedAgentRobot final : public AgentRobot,
                                   public agent_service::SimulationControl {
@@ -239,13 +250,22 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
       runs::SuiteWorld places,
       runs::SuiteWorld::Create(
           world, scenario.options.robot.base_from_laser.translation.z));
+  const simulator::RobotPlacement start = scenario.options.start;
+  const double room_m = StartRoom_m(options.robot.model);
+  KeepOffStart(start.position, room_m, world);
+  if (options.start_at.has_value()) {
+    const geometry::Rigid2 world_from_map =
+        options.map_begins_at_start
+            ? geometry::Rigid2{start.position, start.yaw_rad}
+            : geometry::Rigid2{};
+    KeepOffStart(world_from_map * *options.start_at, room_m, world);
+  }
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<simulator::Simulator> simulator,
       simulator::Simulator::Create(std::move(world), scenario.options));
   geometry::Rigid3 map_from_world;
   if (options.map_begins_at_start) {
     // The map's frame is level, whatever the ground is like at the start.
-    const simulator::RobotPlacement& start = scenario.options.start;
     map_from_world =
         geometry::Rigid3{
             .rotation =

@@ -62,6 +62,9 @@ struct SimulatedRobotOptions {
   // The map was made by a drive that began where this robot starts: its frame
   // is the base's there. Else it is the world's.
   bool map_begins_at_start = false;
+  // Where it will be put before it begins, in the map; people keep off there,
+  // too.
+  std::optional<geometry::Vec2> start_at = std::nullopt;
 };
 // Errors as MakeWorld and Simulator::Create.
 absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "client/relocalizer/connect_options.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
@@ -21,6 +22,7 @@
 #include "nav_agent/app/run/agent_loop.h"
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
+#include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
@@ -70,6 +72,12 @@ behavior::NavigatorMap BlankMap() {
   return map;
 }
 
+std::optional<geometry::Vec2> PositionOf(
+    const std::optional<agent_service::RequestedPose>& pose) {
+  if (!pose.has_value()) return std::nullopt;
+  return geometry::Vec2{pose->x_m, pose->y_m};
+}
+
 void SayTopics(const ros_app::RosRobot& robot, logging::ProgramLog& log) {
   const agent_report::TopicFacts facts = robot.Facts();
   log.Write(logging::LogLevel::kInfo,
@@ -106,6 +114,11 @@ class AgentProgram {
   behavior::NavigatorDevices WatchedDevices();
   absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
+  // What is done before the first step: in the log, and among the events.
+  void TellStart(const std::string& what);
+  void LogEvents(const std::vector<RepeatedLine>& lines);
+  // A simulated robot stands where --start-at says.
+  absl::Status PlaceRobot();
   // Steps wait for a simulation of somebody else's.
   bool FollowsSimulation() const {
     return ros_robot_ != nullptr && ros_robot_->config().use_sim_time;
@@ -132,6 +145,7 @@ class AgentProgram {
   // ---- around the navigator; what listens goes first ----
   agent_service::AgentHub hub_{agent_service::AgentHubOptions()};
   agent_service::AgentMetrics metrics_;
+  std::unique_ptr<agent_service::StopFile> stops_;
   std::unique_ptr<agent_service::AgentCommands> commands_;
   std::unique_ptr<behavior::Navigator> navigator_;
   std::unique_ptr<agent_service::HttpApi> api_;
@@ -177,15 +191,17 @@ absl::Status AgentProgram::MakeRobot(const std::stop_token& stop) {
                         config_.SimulatedWorld());
     TL_ASSIGN_OR_RETURN(const core::RobotDescription model,
                         core::ReadRobot(config_.robot));
+    TL_ASSIGN_OR_RETURN(const std::optional<agent_service::RequestedPose> start,
+                        ParseRequestedPose(config_.start_at, "--start-at"));
     TL_ASSIGN_OR_RETURN(
-        robot_,
-        MakeSimulatedRobot({.world = config_.simulate,
-                            .world_options = world,
-                            .seed = static_cast<uint64_t>(config_.seed),
-                            .camera_hz = config_.camera_hz,
-                            .robot = model,
-                            .has_rear_laser = config_.rear_laser,
-                            .map_begins_at_start = !config_.map.empty()}));
+        robot_, MakeSimulatedRobot({.world = config_.simulate,
+                                    .world_options = world,
+                                    .seed = static_cast<uint64_t>(config_.seed),
+                                    .camera_hz = config_.camera_hz,
+                                    .robot = model,
+                                    .has_rear_laser = config_.rear_laser,
+                                    .map_begins_at_start = !config_.map.empty(),
+                                    .start_at = PositionOf(start)}));
     return absl::OkStatus();
   }
   TL_ASSIGN_OR_RETURN(const hardware::HardwareConfig hardware,
@@ -248,8 +264,16 @@ absl::Status AgentProgram::Listen() {
   info_.world = robot_->world();
   info_.places = robot_->places();
   info_.server = config_.server;
+  stops_ = config_.state_dir.empty()
+               ? std::make_unique<agent_service::StopFile>()
+               : std::make_unique<agent_service::StopFile>(config_.state_dir);
+  if (const std::optional<std::string> why = stops_->why()) {
+    log_.Say(
+        logging::LogLevel::kWarn,
+        absl::StrCat("the robot starts stopped, until it is released: ", *why));
+  }
   commands_ = std::make_unique<agent_service::AgentCommands>(
-      hub_, info_, robot_->simulation());
+      hub_, info_, robot_->simulation(), stops_.get());
   if (!config_.listen.empty()) {
     TL_ASSIGN_OR_RETURN(
         grpc_,
@@ -291,6 +315,7 @@ absl::Status AgentProgram::Listen() {
 bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
   const behavior::NavigatorDevices devices = robot_->Devices();
   base::MonotonicTime next_report = real_clock_.Now() + kLaserReport;
+  RepeatedLines reports;
   while (!stop.stop_requested()) {
     const bool knows_front = HasSpoken(devices.laser);
     const core::RangeSensor* rear = devices.rear_laser;
@@ -299,11 +324,13 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
       next_report += kLaserReport;
       const absl::Status cause =
           (knows_front ? *rear : devices.laser).Health().cause;
-      log_.Say(
-          logging::LogLevel::kWarn,
-          absl::StrCat(
-              "waiting for the ", knows_front ? "rear " : "", "laser: ",
-              cause.ok() ? "nothing has been heard of it" : cause.message()));
+      for (const RepeatedLine& line : reports.Next(
+               "laser", absl::StrCat("waiting for the ",
+                                     knows_front ? "rear " : "", "laser: ",
+                                     cause.ok() ? "nothing has been heard of it"
+                                                : cause.message()))) {
+        log_.Say(logging::LogLevel::kWarn, line.text);
+      }
     }
     // A simulated one begins with its time.
     robot_->Advance(std::chrono::milliseconds(25));
@@ -366,7 +393,35 @@ absl::Status AgentProgram::MakeNavigator() {
   return absl::OkStatus();
 }
 
+void AgentProgram::TellStart(const std::string& what) {
+  hub_.AddEvent(0, "start", what);
+  LogEvents({{.kind = "start", .text = what}});
+}
+
+void AgentProgram::LogEvents(const std::vector<RepeatedLine>& lines) {
+  for (const RepeatedLine& line : lines) {
+    log_.Write(logging::LogLevel::kInfo,
+               log_.Event().Word("event", line.kind).Text("text", line.text));
+  }
+}
+
+absl::Status AgentProgram::PlaceRobot() {
+  TL_ASSIGN_OR_RETURN(std::optional<agent_service::RequestedPose> start,
+                      ParseRequestedPose(config_.start_at, "--start-at"));
+  if (!start.has_value() || robot_->simulation() == nullptr) {
+    return absl::OkStatus();
+  }
+  TL_ASSIGN_OR_RETURN(const core::LevelPose pose,
+                      commands_->OnLevel(*start, "--start-at"));
+  TL_RETURN_IF_ERROR(base::Annotate(robot_->simulation()->Kidnap(pose).status(),
+                                    "--start-at"));
+  // It was no kidnap.
+  robot_->TakeIncidents();
+  return absl::OkStatus();
+}
+
 absl::Status AgentProgram::GiveOrders() {
+  commands_->StopAsKept(*navigator_);
   TL_ASSIGN_OR_RETURN(std::optional<agent_service::RequestedPose> start,
                       ParseRequestedPose(config_.start_at, "--start-at"));
   const std::optional<geometry::Rigid3> truth = robot_->TrueMapFromBase();
@@ -388,10 +443,17 @@ absl::Status AgentProgram::GiveOrders() {
   TL_ASSIGN_OR_RETURN(const std::optional<agent_service::RequestedPose> goal,
                       ParseRequestedPose(config_.goal, "--goal"));
   if (!goal.has_value()) return absl::OkStatus();
-  return commands_->SetGoalNow(*navigator_, {*goal}).status();
+  const absl::Status set = commands_->SetGoalNow(*navigator_, {*goal}).status();
+  if (stops_->why().has_value()) {
+    log_.Say(logging::LogLevel::kWarn, set.message());
+    return absl::OkStatus();
+  }
+  return set;
 }
 
 absl::Status AgentProgram::Run(const std::stop_token& stop) {
+  const base::MonotonicTime began = real_clock_.Now();
+  TellStart(config_.map.empty() ? "makes the map" : "reads the map");
   TL_RETURN_IF_ERROR(LoadMap());
   log_.Write(
       logging::LogLevel::kInfo,
@@ -400,14 +462,21 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
           .Text("name", info_.map_name)
           .Integer("levels", static_cast<int64_t>(map_->levels.levels.size()))
           .Integer("voxels", map_->voxels.CountOccupied()));
+  TellStart(config_.simulate.empty() ? "opens the robot's devices"
+                                     : "makes the simulated world");
   TL_RETURN_IF_ERROR(MakeRobot(stop));
   if (stop.stop_requested()) return absl::OkStatus();
   TL_RETURN_IF_ERROR(WatchDevices());
   TL_RETURN_IF_ERROR(ConnectServer());
   TL_RETURN_IF_ERROR(Listen());
+  TL_RETURN_IF_ERROR(PlaceRobot());
+  TellStart("waits for the lasers");
   if (!WaitForLasers(stop)) return absl::OkStatus();
+  TellStart("prepares localization and planning on the map");
   TL_RETURN_IF_ERROR(MakeNavigator());
   TL_RETURN_IF_ERROR(GiveOrders());
+  TellStart(absl::StrFormat("is ready after %.1f s",
+                            base::SecondsBetween(began, real_clock_.Now())));
   if (ros_robot_ != nullptr) {
     TL_ASSIGN_OR_RETURN(
         topics_, ros_app::AgentTopics::Start(
@@ -415,6 +484,7 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
                        log_.Say(logging::LogLevel::kWarn, line);
                      }));
   }
+  RepeatedLines events;
   AgentLoop loop(
       *robot_, *navigator_, *commands_, metrics_,
       {.camera = camera_.get(), .server = server_.get()},
@@ -422,12 +492,13 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
        .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
                                     : config_.speed,
        .duration_s = config_.duration},
-      real_clock_, [this](const std::string& kind, const std::string& text) {
-        log_.Write(logging::LogLevel::kInfo,
-                   log_.Event().Word("event", kind).Text("text", text));
+      real_clock_,
+      [this, &events](const std::string& kind, const std::string& text) {
+        LogEvents(events.Next(kind, text));
       });
   announce_("driving");
   loop.Run(stop);
+  LogEvents(events.Finish());
   // Whoever watches is told before the drivers end.
   hub_.Close();
   topics_.reset();

@@ -34,6 +34,7 @@ DiagnosticStatus NavigationStatus(const behavior::NavigatorSnapshot& robot) {
     case behavior::NavigatorMode::kNeedHelp:
       status.level = DiagnosticStatus::kError;
       break;
+    case behavior::NavigatorMode::kStopped:
     case behavior::NavigatorMode::kLost:
     case behavior::NavigatorMode::kRelocalizing:
     case behavior::NavigatorMode::kRecovering:

@@ -10,12 +10,14 @@ import { loadFields, loadLevelPicture, loadVoxels } from './map_loader.js';
 import { shownLevel } from './model/levels.js';
 import { meshOf } from './model/voxel_mesh.js';
 import { CameraPanel } from './panels/camera_panel.js';
+import { DrivePanel } from './panels/drive_panel.js';
 import { el } from './common/dom.js';
 import { HeadLine, LostBanner, Toasts } from './panels/frame.js';
 import { DevicesPanel, EventsPanel } from './panels/list_panels.js';
 import { MapBar, type Tool } from './panels/map_bar.js';
 import { Scale } from './panels/map_help.js';
 import { SimulationPanel } from './panels/simulation_panel.js';
+import { StopBar } from './panels/stop_bar.js';
 import { LostPanel, StatusPanel } from './panels/status_panel.js';
 import './common/page.css';
 import './style.css';
@@ -36,7 +38,8 @@ class Page {
       (url, init) => fetch(url, init));
   private readonly stream: AgentStream;
   private readonly toasts = new Toasts();
-  private readonly head = new HeadLine();
+  private readonly stop: StopBar;
+  private readonly head: HeadLine;
   private readonly banner = new LostBanner(() => this.stream.retryNow());
   private readonly host = el('div', { class: 'map', id: 'map' });
   private readonly view: MapView | null;
@@ -46,6 +49,7 @@ class Page {
   private readonly status: StatusPanel;
   private readonly lost = new LostPanel();
   private readonly camera = new CameraPanel(this.client);
+  private readonly drive: DrivePanel;
   private readonly devices = new DevicesPanel();
   private readonly events = new EventsPanel();
   private readonly simulation: SimulationPanel;
@@ -62,6 +66,21 @@ class Page {
 
   constructor() {
     const { client } = this;
+    this.stop = new StopBar({
+      stop: () => {
+        this.drive.letGo();
+        this.askOrWarn(client.stop(), 'Stopped.');
+      },
+      release: () => this.askOrWarn(client.release(), 'Released.'),
+    });
+    this.head = new HeadLine(this.stop.button);
+    // Of this page alone, whichever other pages there are.
+    const driver = `page-${[...crypto.getRandomValues(new Uint32Array(2))]
+        .map((part) => part.toString(36)).join('')}`;
+    this.drive = new DrivePanel(
+        ({ forward, yawRate }, sequence) =>
+          client.drive(forward, yawRate, driver, sequence),
+        (error) => this.tell(error));
     this.view = this.makeView();
     this.placing = this.view && new Placing(this.view,
         () => this.tool === 'goal' ? this.state?.pose ?? null : null,
@@ -95,7 +114,7 @@ class Page {
       fault: (target, kind, seconds) => this.ask(
           client.injectFault(target, kind, seconds),
           `${target} ${kind} for ${seconds} s.`),
-    });
+    }, this.bar.simulationTools);
     this.simulation.element.hidden = true;
     this.stream = new AgentStream({
       watch: (signal) => client.watch(signal),
@@ -131,10 +150,14 @@ class Page {
         this.bar.top, this.scale.element,
         el('div', { class: 'map-bottom' }, this.bar.hint, this.bar.tools));
     const side = el('div', { class: 'side' },
-        this.status.element, this.lost.element, this.camera.element,
-        this.simulation.element, this.devices.element, this.events.element);
-    document.body.append(this.head.element, this.banner.element,
-        el('main', {}, this.host, side), this.toasts.element);
+        this.status.element, this.drive.element, this.lost.element,
+        this.simulation.element);
+    const watch = el('div', { class: 'watch' },
+        this.camera.element, this.devices.element, this.events.element);
+    document.body.append(this.head.element, this.stop.banner,
+        this.banner.element,
+        el('main', {}, this.host, el('div', { class: 'rest' }, side, watch)),
+        this.toasts.element);
     this.setLink('connecting');
     this.bar.applyLayers();
     if (this.view !== null) {
@@ -149,6 +172,7 @@ class Page {
     const at = event.target;
     const isFree = at === document.body || at === this.view?.canvas;
     if (event.key === ' ' && isFree) this.status.pressPause();
+    else if (event.key.toLowerCase() === 'x') this.stop.button.click();
     else if (at instanceof HTMLSelectElement) return;
     else if (!this.bar.press(event.key.toLowerCase())) return;
     event.preventDefault();
@@ -176,6 +200,7 @@ class Page {
     this.head.setLink(link);
     this.banner.setLink(link, this.lastHeard);
     this.camera.setLive(link === 'live');
+    if (link !== 'live') this.drive.letGo();
     for (const part of document.querySelectorAll<HTMLElement>('.needs-link')) {
       part.inert = link !== 'live';
     }
@@ -230,6 +255,7 @@ class Page {
     this.state = state;
     this.followLevel();
     this.view?.setState(state);
+    this.stop.update(state);
     this.status.update(state);
     this.lost.update(state);
     this.camera.update(state);
@@ -270,6 +296,14 @@ class Page {
   private ask(answer: Promise<void>, done: string): void {
     answer.then(() => this.toasts.say(done, 'calm'),
         (error: unknown) => this.tell(error));
+  }
+
+  // As ask; the answer may be a warning.
+  private askOrWarn(answer: Promise<string>, done: string): void {
+    answer.then((warning) => this.toasts.say(
+        warning === '' ? done : `${done} ${warning}`,
+        warning === '' ? 'calm' : 'bad'),
+    (error: unknown) => this.tell(error));
   }
 
   private tell(error: unknown): void {

@@ -68,6 +68,22 @@ export class AgentClient {
     this.call((options) => this.navigation.pause({}, options)).then(() => {});
   resume = (): Promise<void> =>
     this.call((options) => this.navigation.resume({}, options)).then(() => {});
+  // What is wrong with keeping it; '' if nothing is.
+  stop = (): Promise<string> =>
+    this.call((options) => this.navigation.stop(
+        { why: 'stopped on the operator\'s page' }, options))
+        .then(({ warning }) => warning);
+  release = (): Promise<string> =>
+    this.call((options) => this.navigation.release({}, options))
+        .then(({ warning }) => warning);
+
+  drive(forwardMps: number, yawRateRadps: number, driver: string,
+      sequence: bigint): Promise<void> {
+    return this.call((options) => this.navigation.drive(
+        { forwardMps, yawRateRadps, driver, sequence }, options))
+        .then(() => {});
+  }
+
   findYourself = (): Promise<void> =>
     this.call((options) => this.navigation.findYourself({}, options))
         .then(() => {});

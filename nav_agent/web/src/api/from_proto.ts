@@ -175,6 +175,8 @@ export function stateOf(state: v1.RobotState): RobotState {
     devices: state.devices,
     truth: truth === undefined ? null :
         { ...planarOf(truth), height: finiteOr(truth.heightM, 0) },
+    stop: state.stop === undefined ? null :
+        { why: state.stop.why, since: finiteOr(state.stop.sinceS, 0) },
     missedDeadlines: Number(state.missedDeadlines),
     steps: Number(state.steps),
   };

@@ -86,6 +86,8 @@ export interface RobotState {
   devices: Device[];
   // Only in simulation.
   truth: { x: number; y: number; yaw: number; height: number } | null;
+  // Holds until it is released; null: nobody has stopped it.
+  stop: { why: string; since: number } | null;
   missedDeadlines: number;
   steps: number;
 }

@@ -70,6 +70,17 @@ test('faces look outwards', () => {
   }
 });
 
+test('the five sides of a voxel are lit differently, its top the most', () => {
+  const { body } = meshOf(mapOf([0, 0, 0]));
+  const light = Array.from({ length: 5 }, (_, i) =>
+    body.colours.subarray(12 * i, 12 * i + 3).reduce((a, b) => a + b, 0));
+  assert.equal(new Set(light).size, 5);
+  // The faces' heights: the top alone is level.
+  const top = light.findIndex((_, i) => [2, 5, 8, 11].every(
+      (z) => body.positions[12 * i + z] === 0.5));
+  assert.equal(light[top], Math.max(...light));
+});
+
 test('a cut draws what is below and closes it', () => {
   const mesh = meshOf(mapOf([0, 0, 0.5], [0, 0, 1.5], [0, 0, 2.5]));
   assert.equal(mesh.bottom, 0);

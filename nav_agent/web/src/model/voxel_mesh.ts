@@ -103,6 +103,11 @@ function runs(count: number, has: (i: number) => boolean,
   }
 }
 
+// Light comes from above and from the front left: no two sides of a wall are
+// alike, and the tops are the lightest.
+const LIGHT = [['front', 0.9], ['left', 0.78], ['right', 0.64], ['back', 0.55],
+] as const;
+
 export function meshOf(map: Octomap): VoxelMesh {
   const grid = gridOf(map);
   const { width, depth, layers, cells, corner } = grid;
@@ -118,8 +123,8 @@ export function meshOf(map: Octomap): VoxelMesh {
     const z1 = z0 + r;
     const colour =
         heightColour(heightShare((z - 0.5) / Math.max(1, layers - 2)));
-    const along = shade(colour, 0.84);
-    const across = shade(colour, 0.7);
+    const lit = new Map(LIGHT.map(
+        ([side, share]) => [side, shade(colour, share)] as const));
     const layer = z * layerStep;
     for (let y = 1; y + 1 < depth; ++y) {
       const row = layer + y * rowStep;
@@ -141,7 +146,8 @@ export function meshOf(map: Octomap): VoxelMesh {
           const x1 = corner[0] + end * r;
           const at = side < 0 ? y0 : y1;
           const [a, b] = side < 0 ? [x0, x1] : [x1, x0];
-          body.add([a, at, z0, b, at, z0, b, at, z1, a, at, z1], along);
+          body.add([a, at, z0, b, at, z0, b, at, z1, a, at, z1],
+              lit.get(side < 0 ? 'front' : 'back')!);
         });
       }
     }
@@ -154,7 +160,8 @@ export function meshOf(map: Octomap): VoxelMesh {
           const y1 = corner[1] + end * r;
           const at = corner[0] + (side < 0 ? x : x + 1) * r;
           const [a, b] = side < 0 ? [y1, y0] : [y0, y1];
-          body.add([at, a, z0, at, b, z0, at, b, z1, at, a, z1], across);
+          body.add([at, a, z0, at, b, z0, at, b, z1, at, a, z1],
+              lit.get(side < 0 ? 'left' : 'right')!);
         });
       }
     }

@@ -13,7 +13,8 @@ const stateOf = (fields: Partial<RobotState>): RobotState => ({
   time: 0, mode: '', cause: 'none', causeText: '', advice: '', pose: null,
   lost: { probability: 0, state: 'localized', reason: 'none' },
   command: { forward: 0, yawRate: 0 }, goal: null, fix: null, devices: [],
-  truth: null, missedDeadlines: 0, steps: 0, ...fields,
+  truth: null,
+  stop: null, missedDeadlines: 0, steps: 0, ...fields,
 });
 
 const goalOf = (fields: Partial<Goal>): Goal => ({

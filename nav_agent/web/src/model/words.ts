@@ -37,6 +37,10 @@ const MODES: Record<string, Saying> = {
     text: 'A device is missing. The robot goes on when it is back.',
     tone: 'bad',
   },
+  stopped: {
+    title: 'Stopped', text: 'It stands until it is released.', tone: 'bad',
+  },
+  manual: { title: 'Driven by hand', text: '', tone: 'busy' },
   need_help: {
     title: 'Needs help',
     text: 'The robot could not find its place.', tone: 'bad',
@@ -95,6 +99,8 @@ const WAITS: Record<string, string> = {
   need_help: 'Waits until the robot knows its place',
   paused: 'Waits for Resume',
   safe_stop: 'Waits until the robot may drive',
+  stopped: 'Waits until the robot may drive',
+  manual: 'Waits for Resume',
 };
 
 // Whether it stopped because it does not know its place.

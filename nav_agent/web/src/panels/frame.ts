@@ -13,12 +13,12 @@ export class HeadLine {
     class: 'link', id: 'link', attributes: { role: 'status' },
   }, 'Connecting');
 
-  constructor() {
+  constructor(stop: HTMLElement) {
     const mark = el('span', {
       class: 'mark', attributes: { 'aria-hidden': 'true' } });
     this.element = el('header', { class: 'head' }, mark,
         el('h1', {}, 'Treeline'), this.map, this.simulated, this.server,
-        this.link);
+        this.link, stop);
   }
 
   setInfo(info: AgentInfo): void {

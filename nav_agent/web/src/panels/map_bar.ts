@@ -37,19 +37,24 @@ const TOOLS: readonly
 const SIMULATION_TOOLS: readonly Tool[] = ['kidnap', 'obstacle'];
 
 const STORE = 'treeline-layers';
+// The search tree tells developers something, and covers the rest.
+const HIDDEN_AT_FIRST: readonly LayerName[] = ['tree'];
 
 function storedHidden(): Set<string> {
   try {
-    const stored: unknown = JSON.parse(localStorage.getItem(STORE) ?? '[]');
-    return new Set(Array.isArray(stored) ? stored.map(String) : []);
+    const stored: unknown = JSON.parse(localStorage.getItem(STORE) ?? 'null');
+    return new Set(
+        Array.isArray(stored) ? stored.map(String) : HIDDEN_AT_FIRST);
   } catch {
-    return new Set();
+    return new Set(HIDDEN_AT_FIRST);
   }
 }
 
 export class MapBar {
   readonly top: HTMLElement;
   readonly tools: HTMLElement;
+  // Those of a simulation, apart from driving.
+  readonly simulationTools: HTMLElement;
   readonly hint = el('p', {
     class: 'hint', id: 'hint', attributes: { 'aria-live': 'polite' },
   });
@@ -88,13 +93,16 @@ export class MapBar {
       class: 'tools needs-link',
       attributes: { 'role': 'toolbar', 'aria-label': 'Tools on the map' },
     });
+    this.simulationTools = el('div', { class: 'row', attributes: {
+      'role': 'group', 'aria-label': 'Tools on the map' } });
     for (const [tool, label] of TOOLS) {
       const entry = button(label, () => this.choose(tool), {
         class: 'tool', id: `tool-${tool}`,
         attributes: { 'aria-pressed': 'false', 'data-tool': tool },
       });
       this.toolButtons.set(tool, entry);
-      this.tools.append(entry);
+      const isSimulation = SIMULATION_TOOLS.includes(tool);
+      (isSimulation ? this.simulationTools : this.tools).append(entry);
     }
     document.addEventListener('keydown', (event) => {
       if (event.key !== 'Escape') return;
@@ -143,7 +151,7 @@ export class MapBar {
         try {
           localStorage.setItem(STORE, JSON.stringify([...this.hidden]));
         } catch {
-          // A browser that stores nothing shows all layers next time.
+          // A browser that stores nothing shows what it does at first.
         }
         this.commands.layer(name, box.checked);
       });

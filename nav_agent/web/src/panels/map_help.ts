@@ -35,6 +35,7 @@ const KEYS: readonly [keys: string, what: string][] = [
   ['Enter', 'place under the cross'],
   ['Esc', 'put the tool away'],
   ['Space', 'pause, resume'],
+  ['X', 'stop, until it is released'],
   ['F', 'follow the robot'],
   ['T, D', 'from the top, in 3D'],
   ['L, ?', 'layers, this help'],

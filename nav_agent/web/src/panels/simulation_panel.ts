@@ -2,7 +2,7 @@
 
 import type { RobotScene } from '../api/types.js';
 import { plain } from '../model/words.js';
-import { button, card, el, setShown } from '../common/dom.js';
+import { button, el, setShown } from '../common/dom.js';
 
 export interface SimulationCommands {
   kidnapAnywhere(): void;
@@ -36,7 +36,9 @@ export class SimulationPanel {
   private readonly list = el('ul', { class: 'obstacles' });
   private names = '';
 
-  constructor(private readonly commands: SimulationCommands) {
+  // tools: those on the map that only a simulation has.
+  constructor(
+      private readonly commands: SimulationCommands, tools: HTMLElement) {
     const fault = select('Fault', 'fault',
         FAULTS.map(([label], i) => [String(i), label]));
     const seconds = select('For how long', 'fault-seconds',
@@ -45,11 +47,13 @@ export class SimulationPanel {
     this.placeRow = el('div', { class: 'row' }, this.places,
         button('Kidnap there', () => commands.kidnapTo(this.places.value),
             { id: 'kidnap-place' }));
-    this.element = card('Simulation', 'simulation',
+    this.element = el('details', { class: 'card', id: 'simulation' },
+        el('summary', {}, 'Simulation tools'),
         el('div', { class: 'needs-link' },
         el('p', { class: 'detail' },
-            'Kidnap the robot to a place that it is not told, or put a box ' +
-            'in its way with the tools on the map.'),
+            'Kidnap the robot to a place that it is not told, put a box in ' +
+            'its way, or break a device.'),
+        tools,
         el('div', { class: 'row' },
             button('Kidnap anywhere', () => commands.kidnapAnywhere(),
                 { id: 'kidnap-anywhere', class: 'wide' })),

@@ -1,0 +1,52 @@
+#include "nav_agent/behavior/navigator_poses.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+
+namespace treeline::behavior {
+
+bool IsFinite(const core::LevelPose& pose) {
+  return std::isfinite(pose.map_from_base.translation.x) &&
+         std::isfinite(pose.map_from_base.translation.y) &&
+         std::isfinite(pose.map_from_base.yaw_rad) &&
+         std::isfinite(pose.place.height_m);
+}
+
+absl::Status CheckOnLevels(const core::LevelPose& pose, const std::string& what,
+                           int levels) {
+  if (!IsFinite(pose)) {
+    return absl::InvalidArgumentError(absl::StrCat(what, " is not finite"));
+  }
+  if (pose.place.level < 0 || pose.place.level >= levels) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(what, " on level ", pose.place.level,
+                     "; the map has levels 0 to ", levels - 1));
+  }
+  return absl::OkStatus();
+}
+
+std::optional<control::ControlPose> ControlPoseOf(
+    const std::optional<localization::TrackedMotion>& motion) {
+  if (!motion.has_value()) return std::nullopt;
+  return control::ControlPose{
+      .stamp = motion->stamp,
+      .pose = {.map_from_base = motion->odom_from_base, .place = {}},
+      .level_from_base = motion->level_from_base,
+      .forward_mps = motion->forward_mps,
+      .yaw_rate_radps = motion->yaw_rate_radps,
+      .map_is_unknown = true};
+}
+
+std::optional<control::ControlPose> ControlPoseOf(
+    const std::optional<localization::TrackedPose>& pose) {
+  if (!pose.has_value()) return std::nullopt;
+  return control::ControlPose{.stamp = pose->stamp,
+                              .pose = pose->pose,
+                              .level_from_base = pose->level_from_base,
+                              .forward_mps = pose->forward_mps,
+                              .yaw_rate_radps = pose->yaw_rate_radps,
+                              .map_is_unknown = false};
+}
+
+}  // namespace treeline::behavior

@@ -1,0 +1,30 @@
+// Poses between the parts of a navigator.
+#ifndef NAV_AGENT_BEHAVIOR_NAVIGATOR_POSES_H_
+#define NAV_AGENT_BEHAVIOR_NAVIGATOR_POSES_H_
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "nav_agent/control/control_pose.h"
+#include "nav_agent/core/level_pose.h"
+#include "nav_agent/localization/robot_tracker.h"
+
+namespace treeline::behavior {
+
+bool IsFinite(const core::LevelPose& pose);
+// INVALID_ARGUMENT: not finite, or on none of so many levels; `what` ("a goal")
+// names it.
+absl::Status CheckOnLevels(const core::LevelPose& pose, const std::string& what,
+                           int levels);
+
+// In the wheels' frame: where that is on the map is not known.
+std::optional<control::ControlPose> ControlPoseOf(
+    const std::optional<localization::TrackedMotion>& motion);
+// In the map's.
+std::optional<control::ControlPose> ControlPoseOf(
+    const std::optional<localization::TrackedPose>& pose);
+
+}  // namespace treeline::behavior
+
+#endif  // NAV_AGENT_BEHAVIOR_NAVIGATOR_POSES_H_

@@ -1,0 +1,35 @@
+// Who drives by hand: one at a time, whose commands come in order.
+#ifndef NAV_AGENT_SERVICE_DRIVER_SEAT_H_
+#define NAV_AGENT_SERVICE_DRIVER_SEAT_H_
+
+#include <cstdint>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+
+namespace treeline::agent_service {
+
+inline constexpr size_t kMaxDriverBytes = 64;
+
+// Thread-safe.
+class DriverSeat {
+ public:
+  // Whether this command of `driver` counts at `now`. INVALID_ARGUMENT: no
+  // name, or too long a one; UNAVAILABLE: somebody else's command is not stale
+  // yet; ABORTED: not higher than the last sequence of the same driver.
+  absl::Status Take(const std::string& driver, uint64_t sequence,
+                    absl::Time now);
+
+ private:
+  absl::Mutex mutex_;
+  std::string driver_ ABSL_GUARDED_BY(mutex_);
+  uint64_t sequence_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Time last_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+};
+
+}  // namespace treeline::agent_service
+
+#endif  // NAV_AGENT_SERVICE_DRIVER_SEAT_H_
