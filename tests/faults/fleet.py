@@ -17,7 +17,8 @@ SCENES = tuple(f"room-{i}" for i in range(8))
 ENOUGH_S = "600"
 
 
-def fleet(setup, pods):
+def fleet(setup, row, pods):
+    row.figure("balancer", haproxy_version())
     deployment = Deployment(setup, setup.models(SCENES), *SERVER)
     deployment.scale(pods)
     return deployment, Balancer(setup, deployment)
@@ -47,7 +48,6 @@ class Load:
         # Ctrl-C: it ends with what was measured.
         self._bench.send(2)
         run = self._bench.result()["runs"][0]
-        row.figure("balancer", haproxy_version())
         row.figure("calls", run["calls"])
         row.figure("p99_ms", run["latency_ms"]["p99"])
         row.require("answers", run["counts"]["ok"], ">", 0)
@@ -60,7 +60,7 @@ class Load:
 
 @fault("fleet-rolling", "a rolling restart behind haproxy: no failed call")
 def rolling(setup, row):
-    deployment, balancer = fleet(setup, setup.seconds(3, 2))
+    deployment, balancer = fleet(setup, row, setup.seconds(3, 2))
     load = Load(setup, balancer.address)
     for _ in range(setup.seconds(2, 1)):
         deployment.restart()
@@ -73,7 +73,7 @@ def rolling(setup, row):
 @fault("fleet-scale", "from 1 server to 4 and back behind haproxy: no failed "
                       "call, and all four work")
 def scale(setup, row):
-    deployment, balancer = fleet(setup, 1)
+    deployment, balancer = fleet(setup, row, 1)
     load = Load(setup, balancer.address)
     deployment.scale(4)
     balancer.await_servers(4)
@@ -91,7 +91,7 @@ def scale(setup, row):
 @fault("fleet-node-loss", "two of four servers are killed at once behind "
                           "haproxy, and replaced: no call lost after retries")
 def node_loss(setup, row):
-    deployment, balancer = fleet(setup, 4)
+    deployment, balancer = fleet(setup, row, 4)
     load = Load(setup, balancer.address)
     gone = deployment.lose(2)
     balancer.await_servers(2)
