@@ -7,7 +7,8 @@ same one. Clients try again as the client library does.
 import time
 
 from cluster import Balancer, Deployment, haproxy_version
-from harness import Bench, bench, explain_losses, fault, lost, wait_until
+from harness import (INT, Bench, bench, explain_losses, fault, lost,
+                     wait_until)
 
 # As the shipped client library tries.
 ATTEMPTS = ("--attempts", "4")
@@ -17,7 +18,8 @@ SCENES = tuple(f"room-{i}" for i in range(8))
 ENOUGH_S = "600"
 
 
-def fleet(setup, pods):
+def fleet(setup, row, pods):
+    row.figure("balancer", haproxy_version())
     deployment = Deployment(setup, setup.models(SCENES), *SERVER)
     deployment.scale(pods)
     return deployment, Balancer(setup, deployment)
@@ -45,9 +47,8 @@ class Load:
         time.sleep(setup.seconds(4, 1))
         under_load = self._bench.running()
         # Ctrl-C: it ends with what was measured.
-        self._bench.send(2)
+        self._bench.send(INT)
         run = self._bench.result()["runs"][0]
-        row.figure("balancer", haproxy_version())
         row.figure("calls", run["calls"])
         row.figure("p99_ms", run["latency_ms"]["p99"])
         row.require("answers", run["counts"]["ok"], ">", 0)
@@ -60,7 +61,7 @@ class Load:
 
 @fault("fleet-rolling", "a rolling restart behind haproxy: no failed call")
 def rolling(setup, row):
-    deployment, balancer = fleet(setup, setup.seconds(3, 2))
+    deployment, balancer = fleet(setup, row, setup.seconds(3, 2))
     load = Load(setup, balancer.address)
     for _ in range(setup.seconds(2, 1)):
         deployment.restart()
@@ -73,7 +74,7 @@ def rolling(setup, row):
 @fault("fleet-scale", "from 1 server to 4 and back behind haproxy: no failed "
                       "call, and all four work")
 def scale(setup, row):
-    deployment, balancer = fleet(setup, 1)
+    deployment, balancer = fleet(setup, row, 1)
     load = Load(setup, balancer.address)
     deployment.scale(4)
     balancer.await_servers(4)
@@ -91,7 +92,7 @@ def scale(setup, row):
 @fault("fleet-node-loss", "two of four servers are killed at once behind "
                           "haproxy, and replaced: no call lost after retries")
 def node_loss(setup, row):
-    deployment, balancer = fleet(setup, 4)
+    deployment, balancer = fleet(setup, row, 4)
     load = Load(setup, balancer.address)
     gone = deployment.lose(2)
     balancer.await_servers(2)
@@ -186,9 +187,15 @@ def ask_city(setup, row, name, deployment, balancer, count):
     scenes = []
     for scene in zipf_lists(setup, count, count):
         scenes += ["--scene", scene]
-    run = bench(setup, balancer.address, *ATTEMPTS, *scenes, "--concurrency",
-                "4", "--no-reference", "--warm-up", "0", "--duration",
-                setup.seconds(60, 8), scenes=(), max_frames=count)["runs"][0]
+    load = Bench(setup, balancer.address, *ATTEMPTS, *scenes, "--concurrency",
+                 "4", "--no-reference", "--warm-up", "0", "--duration",
+                 ENOUGH_S, scenes=(), max_frames=count)
+    # Calls and not seconds, or a busy machine would count first loads alone.
+    wanted = setup.seconds(5000, 400)
+    wait_until(lambda: sum(answers_of(deployment)) >= wanted or
+               not load.running(), f"{wanted} answers", 600, 0.2)
+    load.send(INT)
+    run = load.result()["runs"][0]
     answers, loads = run["counts"]["ok"], loads_of(deployment)
     evictions = sum(pod.metrics().sum("treeline_scene_evictions_total")
                     for pod in deployment.pods

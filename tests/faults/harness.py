@@ -406,5 +406,5 @@ def first_frame(setup):
     return color, setup.recording / f"{stem}.depth.png"
 
 
-TERM, KILL, STOP, CONT = (signal.SIGTERM, signal.SIGKILL, signal.SIGSTOP,
-                          signal.SIGCONT)
+INT, TERM, KILL, STOP, CONT = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL,
+                               signal.SIGSTOP, signal.SIGCONT)
