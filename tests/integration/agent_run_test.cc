@@ -340,7 +340,7 @@ TEST_F(AgentRunTest, ASimulatedRobotStandsWhereItIsToldToStart) {
   const ProgramResult inside =
       RunProgram({TREELINE_AGENT, "run", "--simulate", "cafe", "--people=false",
                   "--camera-hz", "0", "--listen", "", "--http-listen", "",
-                  "--start-at", "-30,0,0"});
+                  "--start-at=-30,0,0"});
   EXPECT_EQ(inside.exit_code, 1);
   EXPECT_THAT(inside.err, HasSubstr("--start-at"));
 }
