@@ -87,6 +87,8 @@ def man_page(one, everything, version, seconds):
         ".\\\" Made of --help.\n",
         f".TH {escaped(one.page.upper())} 1 {date} \"Treeline {version}\" "
         "\"Treeline\"\n",
+        # Names of settings must not be broken.
+        ".nh\n.ad l\n",
         f".SH NAME\n{escaped(one.page)} \\- "
         f"{escaped(purpose[:1].lower() + purpose[1:])}\n",
         f".SH SYNOPSIS\n\\fB{escaped(' '.join(one.words))}\\fR "
