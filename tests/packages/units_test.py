@@ -83,6 +83,15 @@ class UnitsTest(unittest.TestCase):
         rules = (PACKAGING / "debian" / "rules").read_text()
         self.assertIn("--package=treeline-agent --no-enable --no-start", rules)
 
+    def test_they_need_no_other_packages_programs(self):
+        # /bin/kill, for instance, is not everywhere.
+        for name in UNITS:
+            for setting, values in settings_of(name).items():
+                if setting.startswith("Exec"):
+                    for value in values:
+                        self.assertRegex(value, r"^(/usr/bin/treeline-\S+|"
+                                                r"/bin/sh) ")
+
     def test_their_users_are_made(self):
         for name in UNITS:
             user = settings_of(name)["User"][0]
