@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/covariance_root.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
 
@@ -17,30 +18,6 @@ namespace {
 bool IsFinite(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
-}
-
-// The lower triangle L of L L^T = covariance (Cholesky), in its rows; nullopt
-// if that is not positive semidefinite.
-std::optional<std::array<double, 9>> SquareRoot(const PoseCovariance2& c) {
-  std::array<double, 9> root{};
-  for (size_t i = 0; i < 3; ++i) {
-    for (size_t j = 0; j <= i; ++j) {
-      double sum = c[3 * i + j];
-      if (std::abs(sum - c[3 * j + i]) > 1e-9 * (1 + std::abs(sum)) ||
-          !std::isfinite(sum)) {
-        return std::nullopt;
-      }
-      for (size_t k = 0; k < j; ++k) sum -= root[3 * i + k] * root[3 * j + k];
-      if (i == j) {
-        if (sum < -1e-12) return std::nullopt;
-        root[4 * i] = std::sqrt(std::max(sum, 0.0));
-      } else {
-        // A direction without any spread has no say in the others.
-        root[3 * i + j] = root[4 * j] > 0 ? sum / root[4 * j] : 0;
-      }
-    }
-  }
-  return root;
 }
 
 // Beams that end on the ground fit anywhere and nowhere.
