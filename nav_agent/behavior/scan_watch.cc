@@ -50,6 +50,7 @@ bool IsPoseTight(const localization::RobotTracker& tracker, double min_share,
                  double max_std_m) {
   const std::optional<localization::TrackedPose> pose = tracker.Pose();
   return pose.has_value() && pose->share >= min_share && !pose->is_searching &&
+         !pose->in_doubt &&
          std::sqrt(std::max(pose->covariance[0], pose->covariance[4])) <=
              max_std_m;
 }

@@ -85,6 +85,9 @@ TEST_F(ScanWatchTest, APoseIsTightInOnePlaceOnly) {
   tracker_.searches = true;
   EXPECT_FALSE(IsPoseTight(tracker_, 0, 0.3));
   tracker_.searches = false;
+  tracker_.is_in_doubt = true;
+  EXPECT_FALSE(IsPoseTight(tracker_, 0, 0.3));
+  tracker_.is_in_doubt = false;
   tracker_.believed.reset();
   EXPECT_FALSE(IsPoseTight(tracker_, 0, 1));
 }

@@ -63,6 +63,7 @@ class ScriptedTracker : public localization::RobotTracker {
   int spread = 0;
   int told = 0;
   bool searches = false;
+  bool is_in_doubt = false;
   // AMCL finds this so long after it was spread (s).
   double finds_after_s = 5;
   std::optional<geometry::Rigid2> finds;
@@ -108,6 +109,7 @@ class ScriptedTracker : public localization::RobotTracker {
                        base::MonotonicTime) override {
     believed = pose;
     searches = false;
+    is_in_doubt = false;
     lost_verdict = {};
     ++told;
     return absl::OkStatus();
@@ -128,7 +130,8 @@ class ScriptedTracker : public localization::RobotTracker {
                                      .forward_mps = moves.forward_mps,
                                      .yaw_rate_radps = moves.yaw_rate_radps,
                                      .share = searches ? 0.1 : 1.0,
-                                     .is_searching = searches};
+                                     .is_searching = searches,
+                                     .in_doubt = is_in_doubt};
   }
   std::optional<localization::TrackedPose> PoseAt(
       base::MonotonicTime) const override {

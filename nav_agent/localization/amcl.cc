@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/covariance_root.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
 
@@ -19,28 +20,14 @@ bool IsFinite(const geometry::Rigid2& pose) {
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
 }
 
-// The lower triangle L of L L^T = covariance (Cholesky), in its rows; nullopt
-// if that is not positive semidefinite.
-std::optional<std::array<double, 9>> SquareRoot(const PoseCovariance2& c) {
-  std::array<double, 9> root{};
-  for (size_t i = 0; i < 3; ++i) {
-    for (size_t j = 0; j <= i; ++j) {
-      double sum = c[3 * i + j];
-      if (std::abs(sum - c[3 * j + i]) > 1e-9 * (1 + std::abs(sum)) ||
-          !std::isfinite(sum)) {
-        return std::nullopt;
-      }
-      for (size_t k = 0; k < j; ++k) sum -= root[3 * i + k] * root[3 * j + k];
-      if (i == j) {
-        if (sum < -1e-12) return std::nullopt;
-        root[4 * i] = std::sqrt(std::max(sum, 0.0));
-      } else {
-        // A direction without any spread has no say in the others.
-        root[3 * i + j] = root[4 * j] > 0 ? sum / root[4 * j] : 0;
-      }
-    }
+// Beams that end on the ground fit anywhere and nowhere.
+ScanPoints Upright(const ScanPoints& points) {
+  if (!points.has_heights()) return points;
+  ScanPoints upright;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (points.z_m[i] > kGroundEnd_m) upright.Add(points, i);
   }
-  return root;
+  return upright;
 }
 
 }  // namespace
@@ -147,7 +134,10 @@ Amcl::Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
       free_places_(std::move(free_places)),
       resolution_m_(resolution_m),
       options_(options),
-      seed_(seed) {}
+      seed_(seed),
+      search_places_(std::make_shared<const std::vector<FreePlace>>(
+          OnePlaceOfEachSquare(free_places_, kSearchGrid_m))),
+      places_(options.places) {}
 
 Particle Amcl::AnyParticle(base::Random& random) const {
   const FreePlace& free = free_places_[random.NextBelow(
@@ -216,6 +206,20 @@ absl::Status Amcl::PlaceAbout(const geometry::Rigid2& map_from_base,
         "amcl: an initial pose must be finite, and its covariance positive "
         "semidefinite");
   }
+  Gather(map_from_base, *root, place);
+  fits_ = 0;
+  force_next_ = true;
+  is_weighed_ = false;
+  is_settled_ = true;
+  places_.EndDoubt();
+  sure_before_.reset();
+  UpdateEstimate();
+  return absl::OkStatus();
+}
+
+void Amcl::Gather(const geometry::Rigid2& map_from_base,
+                  const std::array<double, 9>& root,
+                  const core::LevelPlace& place) {
   max_particles_now_ = options_.max_particles;
   is_searching_ = false;
   particles_.assign(static_cast<size_t>(options_.max_particles), {});
@@ -226,7 +230,7 @@ absl::Status Amcl::PlaceAbout(const geometry::Rigid2& map_from_base,
     for (double& value : normal) value = random.NextGaussian();
     std::array<double, 3> away{};
     for (size_t a = 0; a < 3; ++a) {
-      for (size_t b = 0; b <= a; ++b) away[a] += (*root)[3 * a + b] * normal[b];
+      for (size_t b = 0; b <= a; ++b) away[a] += root[3 * a + b] * normal[b];
     }
     particles_[i] = {.map_from_base = {map_from_base.translation +
                                            geometry::Vec2{away[0], away[1]},
@@ -236,12 +240,6 @@ absl::Status Amcl::PlaceAbout(const geometry::Rigid2& map_from_base,
                      .place = place};
     FindGround(particles_[i]);
   }
-  fits_ = 0;
-  force_next_ = true;
-  is_weighed_ = false;
-  is_settled_ = true;
-  UpdateEstimate();
-  return absl::OkStatus();
 }
 
 void Amcl::StartGlobalLocalization() {
@@ -258,6 +256,8 @@ void Amcl::StartGlobalLocalization() {
   force_next_ = true;
   is_weighed_ = false;
   is_settled_ = true;
+  if (options_.doubt) places_.BeginDoubt();
+  sure_before_.reset();
   UpdateEstimate();
 }
 
@@ -288,6 +288,10 @@ absl::Status Amcl::Begin(const geometry::Rigid2& odom_from_base,
       std::abs(since.yaw_rad) >= options_.update_turn_rad;
   if (is_due && points.size() > 0) {
     Weigh(points);
+    if (places_.in_doubt()) {
+      places_.AddScan(odom_from_base,
+                      levels_ == nullptr ? points : Upright(points));
+    }
     is_weighed_ = true;
     odom_at_scan_ = odom_from_base;
     force_next_ = false;
@@ -301,6 +305,9 @@ std::optional<PlanarEstimate> Amcl::Settle() {
   if (particles_.empty()) return std::nullopt;
   if (std::exchange(is_weighed_, false)) Resample();
   UpdateEstimate();
+  if (places_.in_doubt() && !is_searching_ && odom_from_base_.has_value()) {
+    Doubt();
+  }
   return estimate_;
 }
 
@@ -490,7 +497,52 @@ void Amcl::Resample() {
   }
 }
 
+bool Amcl::IsWhereItWasSure() const {
+  if (!sure_before_.has_value()) return false;
+  const geometry::Rigid2 expected =
+      sure_before_->pose.map_from_base *
+      (sure_before_->odom_from_base.Inverse() * *odom_from_base_);
+  return AreNear(
+      {.map_from_base = expected, .place = estimate_.place},
+      {.map_from_base = estimate_.map_from_base, .place = estimate_.place},
+      kOtherPlace_m, kOtherPlace_rad);
+}
+
+void Amcl::Doubt() {
+  if (IsWhereItWasSure()) {
+    places_.EndDoubt();
+  } else {
+    places_.Step(
+        {.field = &field(), .places = search_places_, .levels = levels_.get()},
+        *odom_from_base_,
+        {.map_from_base = estimate_.map_from_base, .place = estimate_.place});
+    const std::optional<core::LevelPose> better =
+        places_.Better(*odom_from_base_);
+    if (better.has_value()) {
+      constexpr double kM = kRegularization_m;
+      Gather(better->map_from_base,
+             {kM, 0, 0, 0, kM, 0, 0, 0, kRegularization_rad}, better->place);
+      UpdateEstimate();
+    }
+  }
+  NoteDoubt(estimate_);
+}
+
+void Amcl::NoteDoubt(PlanarEstimate& estimate) const {
+  estimate.in_doubt = places_.in_doubt();
+  estimate.place_share = places_.share();
+  if (odom_from_base_.has_value()) {
+    estimate.other_places = places_.Others(*odom_from_base_, kOtherPlacesShown);
+  }
+}
+
 void Amcl::SearchEverywhere() {
+  if (!places_.in_doubt() && odom_from_base_.has_value()) {
+    sure_before_ = {.pose = {.map_from_base = estimate_.map_from_base,
+                             .place = estimate_.place},
+                    .odom_from_base = *odom_from_base_};
+  }
+  if (options_.doubt) places_.BeginDoubt();
   const size_t known = particles_.size();
   const size_t anew =
       static_cast<size_t>(options_.max_global_localization_particles);
@@ -529,6 +581,7 @@ void Amcl::UpdateEstimate() {
   estimate.fit = estimate_.fit;
   estimate.beams_on_ground = estimate_.beams_on_ground;
   estimate.is_searching = is_searching_;
+  NoteDoubt(estimate);
   estimate.beams_used = estimate_.beams_used;
   estimate.beams_skipped = estimate_.beams_skipped;
   if (levels_ != nullptr) {

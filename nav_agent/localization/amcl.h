@@ -16,6 +16,7 @@
 #include "nav_agent/localization/likelihood_field.h"
 #include "nav_agent/localization/odometry_motion.h"
 #include "nav_agent/localization/parameters.h"
+#include "nav_agent/localization/place_hypotheses.h"
 #include "nav_agent/localization/scan_points.h"
 
 namespace treeline::localization {
@@ -89,6 +90,11 @@ struct AmclOptions {
   // Particles are drawn again when fewer than this share of them counts.
   double resample_below = kResampleBelow;
 
+  // What is found by a search is in doubt until no other place of the map
+  // explains what was seen (PlaceHypotheses). false: never in doubt.
+  bool doubt = true;
+  PlaceHypothesesOptions places;
+
   LikelihoodFieldOptions field;
   OdometryNoise odometry;
 
@@ -107,6 +113,15 @@ struct PlanarEstimate {
   int particles = 0;
   // Whether the robot is being looked for everywhere.
   bool is_searching = false;
+  // It was looked for everywhere, and not all other places that explain what
+  // was seen are excluded yet: nobody is to rely on the pose.
+  bool in_doubt = false;
+  // The share of this place among all that explain what was seen since the
+  // doubt began: at most one half while another explains as much; 0 before that
+  // is known, 1 without doubt.
+  double place_share = 1;
+  // The likeliest others, at most kOtherPlacesShown, the likeliest first.
+  std::vector<PossiblePlace> other_places = {};
   // Beams of the last scan that were used, and that were left out because few
   // particles explain them.
   int beams_used = 0;
@@ -173,6 +188,10 @@ class Amcl {
   void ForceNextScan() { force_next_ = true; }
 
   const std::vector<Particle>& particles() const { return particles_; }
+  // One free place of each square of the search's grid.
+  const std::shared_ptr<const std::vector<FreePlace>>& search_places() const {
+    return search_places_;
+  }
 
  private:
   Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
@@ -186,6 +205,10 @@ class Amcl {
   absl::Status PlaceAbout(const geometry::Rigid2& map_from_base,
                           const PoseCovariance2& covariance,
                           const core::LevelPlace& place);
+  // Particles about a pose; root: of the covariance (Cholesky), row-major.
+  void Gather(const geometry::Rigid2& map_from_base,
+              const std::array<double, 9>& root, const core::LevelPlace& place);
+  bool IsWhereItWasSure() const;
   // Which ground a particle that has moved is on now.
   void FindGround(Particle& particle) const;
   bool IsOffGround(const Particle& particle) const;
@@ -200,6 +223,10 @@ class Amcl {
   void SearchEverywhere();
   void Roughen(std::vector<Particle>& particles);
   void UpdateEstimate();
+  // The places that explain what was seen: goes on comparing, and goes over to
+  // one that is clearly better.
+  void Doubt();
+  void NoteDoubt(PlanarEstimate& estimate) const;
 
   LikelihoodField field_;
   // Null: one flat map, of field_.
@@ -224,6 +251,15 @@ class Amcl {
   int64_t fits_ = 0;
   double w_slow_ = 0;
   double w_fast_ = 0;
+  std::shared_ptr<const std::vector<FreePlace>> search_places_;
+  PlaceHypotheses places_;
+  // Where it was sure to be when it began to look everywhere by itself: what is
+  // found there is not in doubt.
+  struct SurePlace {
+    core::LevelPose pose;
+    geometry::Rigid2 odom_from_base;
+  };
+  std::optional<SurePlace> sure_before_;
   PlanarEstimate estimate_;
 };
 

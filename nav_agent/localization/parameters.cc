@@ -75,6 +75,11 @@ std::vector<base::ParameterRow> LocalizationParameters() {
       base::RowOf(kOtherFloor_m),
       base::RowOf(kSearchCandidates),
       base::RowOf(kSearchSlice),
+      base::RowOf(kPlaceTolerance),
+      base::RowOf(kViewpoints),
+      base::RowOf(kPlaceCandidates),
+      base::RowOf(kOtherPlacesShown),
+      base::RowOf(kSureSearches),
   };
 }
 

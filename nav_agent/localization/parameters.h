@@ -240,6 +240,24 @@ inline constexpr base::Parameter<size_t> kSearchSlice{
     "search_slice", 8000, "", base::ParameterOrigin::kTuned,
     "poses in a step: about 2 ms"};
 
+// ---- places that explain what was seen ----
+
+inline constexpr base::Parameter<double> kPlaceTolerance{
+    "place_tolerance", 0.05, "", base::ParameterOrigin::kTuned,
+    "of the mean log likelihood of a beam: what a map gets wrong"};
+inline constexpr base::Parameter<size_t> kViewpoints{
+    "viewpoints", 64, "", base::ParameterOrigin::kPhysics,
+    "that are remembered: about 30 m"};
+inline constexpr base::Parameter<size_t> kPlaceCandidates{
+    "place_candidates", 1024, "", base::ParameterOrigin::kPhysics,
+    "that are followed: bounds memory and time"};
+inline constexpr base::Parameter<size_t> kOtherPlacesShown{
+    "other_places_shown", 12, "", base::ParameterOrigin::kPhysics,
+    "bounds what a message holds"};
+inline constexpr base::Parameter<int> kSureSearches{
+    "sure_searches", 2, "", base::ParameterOrigin::kTuned,
+    "over the whole map, each with another scan"};
+
 // ---- what follows from others ----
 
 // The map's voxels (m).
@@ -301,6 +319,19 @@ inline constexpr double kIdentityAge_s = kJumpAge_s + kEvidenceInterval_s;
 inline constexpr double kScanMemory_s = kIdentityAge_s + kSearchingInterval_s;
 // Nothing younger than the scan before is compared with (s).
 inline constexpr double kYoungestScan_s = kScanInterval_s;
+
+// What says something new is two updates of AMCL further.
+inline constexpr double kViewpoint_m = 2 * kUpdateDistance_m;
+inline constexpr double kViewpoint_rad = 2 * kUpdateTurn_rad;
+// A viewpoint says as much against a place as a scan against being lost. Twice
+// what can be said of that must come together: neighbouring viewpoints see the
+// same furniture that the map does not have.
+inline constexpr double kViewpointEvidence = kMaxEvidenceAgainst;
+inline constexpr double kExcludePlace = 2 * kMaxLogOdds;
+// A search's grid is coarse, so what it hands over may be far from the best.
+inline constexpr double kSearchWithin = 10 * kPlaceTolerance;
+// A scan of fewer beams than a sixth of those looked at tells no places apart.
+inline constexpr size_t kMinViewpointBeams = kScanBeams / 6;
 
 // Beams that end nearer to the ground may end on it.
 inline constexpr double kBeamGround_m = kLayer_m;

@@ -28,7 +28,7 @@ TEST(LocalizationParameters, FewAreTuned) {
   const std::vector<base::ParameterRow> rows = LocalizationParameters();
   EXPECT_LE(std::ranges::count(rows, base::ParameterOrigin::kTuned,
                                &base::ParameterRow::origin),
-            57);
+            59);
 }
 
 TEST(LocalizationParameters, DerivedOnesAreWhatTheyFollowTo) {
@@ -59,6 +59,12 @@ TEST(LocalizationParameters, DerivedOnesAreWhatTheyFollowTo) {
   EXPECT_EQ(kSearchHeadings, 50);
   EXPECT_EQ(kRefineStep_m, 0.125);
   EXPECT_EQ(kDeclareLost, 0.95);
+  EXPECT_EQ(kViewpoint_m, 0.5);
+  EXPECT_EQ(kViewpoint_rad, 0.4);
+  EXPECT_EQ(kViewpointEvidence, 2);
+  EXPECT_EQ(kExcludePlace, 16);
+  EXPECT_EQ(kSearchWithin, 0.5);
+  EXPECT_EQ(kMinViewpointBeams, 10u);
   EXPECT_EQ(LaserViewOptions().laser_height_m, 0.35);
 }
 

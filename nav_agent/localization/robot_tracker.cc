@@ -274,6 +274,14 @@ TrackedPose AmclTracker::PoseFor(const BufferedOdometry& moment) const {
   tracked.yaw_rate_radps = moment.motion.yaw_rate_radps;
   tracked.share = estimate_->share;
   tracked.is_searching = estimate_->is_searching;
+  tracked.in_doubt = estimate_->in_doubt;
+  tracked.place_share = estimate_->place_share;
+  tracked.other_places = estimate_->other_places;
+  const geometry::Rigid2 estimate_from_now =
+      odom_from_base_.Inverse() * moment.motion.odom_from_base;
+  for (PossiblePlace& other : tracked.other_places) {
+    other.pose.map_from_base = other.pose.map_from_base * estimate_from_now;
+  }
   return tracked;
 }
 
@@ -350,12 +358,12 @@ void AmclTracker::BeginOtherPlaces(const std::optional<core::LevelPose>& than) {
   for (size_t i = 0; i < points->size(); ++i) {
     if (points->z_m[i] > options_.lost.scan.ground_m) upright.Add(*points, i);
   }
-  search_.emplace(parts_.map, std::move(upright), than);
+  search_.emplace(parts_.amcl.search_places(), std::move(upright), than);
 }
 
 bool AmclTracker::StepOtherPlaces() {
   if (search_.has_value()) {
-    if (!search_->Step()) return false;
+    if (!search_->Step(parts_.map->field())) return false;
     candidates_ = search_->Best();
     search_.reset();
     return candidates_.empty();

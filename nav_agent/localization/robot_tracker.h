@@ -42,6 +42,11 @@ struct TrackedPose {
   // The share of AMCL's weight that agrees, and whether it searches everywhere.
   double share = 0;
   bool is_searching = false;
+  // As PlanarEstimate's: whether other places of the map explain what was seen,
+  // and this one's share among them. It is not to be relied on then.
+  bool in_doubt = false;
+  double place_share = 1;
+  std::vector<PossiblePlace> other_places = {};
 };
 
 // What the wheels and the inertial sensor alone say.

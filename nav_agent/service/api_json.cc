@@ -45,6 +45,15 @@ Json TrackedJson(const v1::RobotState& state) {
   const double largest = (a + d) / 2 + std::sqrt((a - d) * (a - d) / 4 + b * b);
   json["std_m"] = Rounded(std::sqrt(std::max(0.0, largest)));
   json["std_rad"] = Rounded(std::sqrt(std::max(0.0, state.covariance(8))));
+  json["in_doubt"] = state.in_doubt();
+  json["place_share"] = Rounded(state.place_share());
+  Json others = Json::array();
+  for (const v1::PossiblePlace& other : state.other_places()) {
+    Json place = PoseJson(other.map_from_base());
+    place["share"] = Rounded(other.share());
+    others.push_back(std::move(place));
+  }
+  json["other_places"] = std::move(others);
   return json;
 }
 

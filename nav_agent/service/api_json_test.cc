@@ -28,6 +28,11 @@ AgentState FullState() {
   pose.pose = {.map_from_base = {{1.00004, 2}, 0.5}, .place = {1, 0.75}};
   // Its longer axis lies along x + y: 0.05 + 0.03.
   pose.covariance = {0.05, 0.03, 0, 0.03, 0.05, 0, 0, 0, 0.04};
+  pose.in_doubt = true;
+  pose.place_share = 0.5;
+  pose.other_places = {
+      {.pose = {.map_from_base = {{3, 4}, 0.25}, .place = {0, 0.5}},
+       .share = 0.4}};
   snapshot.pose = pose;
   snapshot.goal.emplace();
   snapshot.goal->id = 3;
@@ -92,7 +97,9 @@ TEST(ApiJson, StateHasEveryField) {
   EXPECT_EQ(json["cause_text"], "no scan for 0.4 s");
   EXPECT_NE(json["advice"], "");
   EXPECT_EQ(json["pose"], Json::parse(R"({"x":1.0,"y":2.0,"yaw":0.5,"level":1,
-      "height_m":0.75,"std_m":0.2828,"std_rad":0.2})"));
+      "height_m":0.75,"std_m":0.2828,"std_rad":0.2,"in_doubt":true,
+      "place_share":0.5,
+      "other_places":[{"x":3.0,"y":4.0,"yaw":0.25,"level":0,"share":0.4}]})"));
   EXPECT_EQ(json["lost"]["state"], "localized");
   EXPECT_EQ(json["command"],
             Json::parse(R"({"forward_mps":0.25,"yaw_rate_radps":-0.5})"));

@@ -166,6 +166,14 @@ v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state) {
     *proto.mutable_map_from_base() = ToProto(snapshot.pose->pose);
     proto.mutable_covariance()->Add(snapshot.pose->covariance.begin(),
                                     snapshot.pose->covariance.end());
+    proto.set_in_doubt(snapshot.pose->in_doubt);
+    proto.set_place_share(snapshot.pose->place_share);
+    for (const localization::PossiblePlace& other :
+         snapshot.pose->other_places) {
+      v1::PossiblePlace& place = *proto.add_other_places();
+      *place.mutable_map_from_base() = ToProto(other.pose);
+      place.set_share(other.share);
+    }
   }
   proto.set_lost_probability(snapshot.verdict.probability);
   proto.set_lost_state(localization::LostStateName(snapshot.verdict.state));

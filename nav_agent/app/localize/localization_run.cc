@@ -97,7 +97,7 @@ void CompareWithTruth(const geometry::Rigid3& world_from_base,
 }
 
 bool IsSure(const localization::PlanarEstimate& estimate) {
-  return estimate.share >= kSure &&
+  return estimate.share >= kSure && !estimate.in_doubt &&
          std::sqrt(estimate.covariance[0] + estimate.covariance[4]) <
              kSureWithin_m;
 }
@@ -203,6 +203,20 @@ nlohmann::ordered_json JsonOf(const ErrorFigures& figures) {
   return {{"rmse", figures.rmse}, {"p95", figures.p95}, {"max", figures.max}};
 }
 
+nlohmann::ordered_json JsonOf(
+    const std::vector<localization::PossiblePlace>& places) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const localization::PossiblePlace& place : places) {
+    json.push_back({{"x_m", place.pose.map_from_base.translation.x},
+                    {"y_m", place.pose.map_from_base.translation.y},
+                    {"yaw_rad", place.pose.map_from_base.yaw_rad},
+                    {"level", place.pose.place.level},
+                    {"height_m", place.pose.place.height_m},
+                    {"share", place.share}});
+  }
+  return json;
+}
+
 void Dot(image::ColorImage& image, int x, int y, std::array<uint8_t, 3> color) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
   for (size_t c = 0; c < 3; ++c) {
@@ -293,7 +307,10 @@ std::string LocalizationJson(const LocalizationResult& result) {
         {"agreement", scan.agreement},
         {"searching", estimate.is_searching},
         {"level", estimate.place.level},
-        {"height_m", estimate.place.height_m}};
+        {"height_m", estimate.place.height_m},
+        {"in_doubt", estimate.in_doubt},
+        {"place_share", estimate.place_share},
+        {"other_places", JsonOf(estimate.other_places)}};
     if (scan.error_m.has_value()) {
       pose["error_m"] = *scan.error_m;
       pose["error_rad"] = scan.error_rad;

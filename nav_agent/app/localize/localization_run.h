@@ -76,7 +76,8 @@ struct LocalizationErrors {
 struct LocalizationResult {
   std::vector<LocalizedScan> scans;
   // Driven by odometry until the first scan from which on the heaviest cluster
-  // held 90 % of the weight for good, within 0.5 m; nullopt: never.
+  // held 90 % of the weight for good, within 0.5 m, and no other place was
+  // possible; nullopt: never.
   std::optional<double> converged_after_m;
   // The same until it first did.
   std::optional<double> first_sure_after_m;

@@ -1,5 +1,6 @@
 #include "nav_agent/app/localize/localize_command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -122,6 +123,23 @@ absl::StatusOr<LocalizationMap> MapOf(const LocalizeFlags& flags,
   return LevelsOf(voxels, laser_height_m, flags.flat);
 }
 
+// Where else it may be in the end.
+void PrintDoubt(const localization::PlanarEstimate& last) {
+  if (!last.in_doubt) return;
+  std::printf("in doubt at the end: at (%.1f, %.1f) with a share of %.2f",
+              last.map_from_base.translation.x,
+              last.map_from_base.translation.y, last.place_share);
+  constexpr size_t kNamed = 3;
+  for (size_t i = 0; i < std::min(kNamed, last.other_places.size()); ++i) {
+    const localization::PossiblePlace& other = last.other_places[i];
+    std::printf(", or at (%.1f, %.1f) with %.2f",
+                other.pose.map_from_base.translation.x,
+                other.pose.map_from_base.translation.y, other.share);
+  }
+  std::printf("%s\n",
+              last.other_places.size() > kNamed ? ", or elsewhere" : "");
+}
+
 void PrintSummary(const RecordedDrive& drive, const LocalizationMap& map,
                   const LocalizationResult& result) {
   std::string converged = "never sure of one place for good";
@@ -142,6 +160,7 @@ void PrintSummary(const RecordedDrive& drive, const LocalizationMap& map,
       "time\n",
       result.scans.size(), converged.c_str(), 100 * result.agreement,
       kAgreement_m, result.median_update_ms, result.p99_update_ms);
+  if (!result.scans.empty()) PrintDoubt(result.scans.back().estimate);
   if (!result.errors.has_value()) return;
   const LocalizationErrors& errors = *result.errors;
   std::printf(

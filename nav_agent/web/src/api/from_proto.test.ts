@@ -46,6 +46,22 @@ test('a state of the robot is read in full', () => {
   assert.equal(state.missedDeadlines, 1);
 });
 
+test('a robot in doubt names the other places', () => {
+  const state = read({
+    mapFromBase: { xM: 1, yM: 2 }, inDoubt: true, placeShare: 0.5,
+    otherPlaces: [
+      { mapFromBase: { xM: 5, yM: 6, yawRad: 1, level: 1, heightM: 3 },
+        share: 0.4 },
+      // Of a place that is not said, nothing is drawn.
+      { share: 0.1 },
+    ],
+  });
+  assert.equal(state.pose?.inDoubt, true);
+  assert.equal(state.pose?.placeShare, 0.5);
+  assert.deepEqual(state.pose?.others,
+      [{ x: 5, y: 6, yaw: 1, level: 1, height: 3, share: 0.4 }]);
+});
+
 test('a robot that knows nothing yet has a state, too', () => {
   const state = read({});
   assert.equal(state.pose, null);

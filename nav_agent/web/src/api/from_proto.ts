@@ -109,6 +109,14 @@ function trackedOf(state: v1.RobotState): TrackedPose | null {
     ...poseOf(pose),
     height: finiteOr(pose.heightM, 0),
     ...deviationsOf(state.covariance),
+    inDoubt: state.inDoubt,
+    placeShare: finiteOr(state.placeShare, 0),
+    others: state.otherPlaces.flatMap(({ mapFromBase, share }) =>
+      mapFromBase === undefined ? [] : [{
+        ...poseOf(mapFromBase),
+        height: finiteOr(mapFromBase.heightM, 0),
+        share: finiteOr(share, 0),
+      }]),
   };
 }
 

@@ -9,11 +9,22 @@ export interface Pose {
   level: number;
 }
 
+// Where else a robot in doubt may be; its share of all places, in (0, 1).
+export interface PossiblePlace extends Pose {
+  height: number;
+  share: number;
+}
+
 export interface TrackedPose extends Pose {
   height: number;
   // Standard deviations; null where the agent has none.
   std: number | null;
   stdYaw: number | null;
+  // Whether places that are alike are not excluded yet, the share of this one
+  // among them, and the likeliest others.
+  inDoubt: boolean;
+  placeShare: number;
+  others: PossiblePlace[];
 }
 
 export interface LevelInfo {

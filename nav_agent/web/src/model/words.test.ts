@@ -92,9 +92,25 @@ test('a robot that looks for its place does not know it either', () => {
       'Does not know its place');
 });
 
+test('a robot in doubt says how many places look alike', () => {
+  const other = { x: 1, y: 2, yaw: 0, level: 0, height: 0, share: 0.4 };
+  const say = (others: (typeof other)[], probability = 0.04) =>
+    sayDoubt(stateOf({ mode: 'driving',
+      pose: { x: 1, y: 2, yaw: 0, level: 0, height: 0, std: 0.06, stdYaw: 0.03,
+        inDoubt: true, placeShare: 0.5, others },
+      lost: { probability, state: 'localized', reason: 'none' } }));
+  assert.equal(say([other]).text, 'In doubt: one other place looks alike');
+  assert.equal(say([other, other]).text,
+      'In doubt: 2 other places look alike');
+  assert.equal(say([]).text, 'In doubt: looks for places that are alike');
+  assert.equal(say([other]).tone, 'warn');
+  // A robot that is lost is not only in doubt.
+  assert.equal(say([other], 0.9).tone, 'bad');
+});
+
 test('a pose that the robot does not believe is not its place', () => {
   const pose = { x: 1, y: 2, yaw: 0, level: 0, height: 0, std: 0.06,
-    stdYaw: 0.03 };
+    stdYaw: 0.03, inDoubt: false, placeShare: 1, others: [] };
   const lost = { probability: 0.9, state: 'lost', reason: 'none' };
   assert.equal(knowsPlace(stateOf({ mode: 'driving', pose })), true);
   assert.equal(knowsPlace(stateOf({ mode: 'driving' })), false);

@@ -195,6 +195,13 @@ export function sayDoubt(state: RobotState): Doubt {
     return says('Is not sure of its place',
         lost.probability >= DOUBTFUL ? 'bad' : 'warn');
   }
+  if (state.pose?.inDoubt) {
+    const count = state.pose.others.length;
+    const places = count === 0 ? 'looks for places that are alike' :
+      count === 1 ? 'one other place looks alike' :
+        `${count} other places look alike`;
+    return { ...says('', 'warn'), text: `In doubt: ${places}` };
+  }
   return says(LOST_STATES[verdict] ?? plain(lost.state), 'calm');
 }
 

@@ -22,6 +22,7 @@ import {
 import {
   BlockageLayer, BubbleLayer, GoalLayer, ObstacleLayer, PoseMark,
 } from './layers/mark_layers.js';
+import { OtherPlacesLayer } from './layers/other_places_layer.js';
 import { RobotLayer, type Stand } from './layers/robot_layer.js';
 import { VoxelLayer } from './layers/voxel_layer.js';
 import { currentTheme, onThemeChange } from './theme.js';
@@ -68,6 +69,7 @@ export class MapView {
   private readonly voxels = new VoxelLayer();
   private readonly ground = new GroundLayer();
   private readonly robot = new RobotLayer();
+  private readonly otherPlaces = new OtherPlacesLayer();
   private readonly costmap = new CostmapLayer();
   private readonly scan = new ScanLayer();
   private readonly particles = new ParticleLayer();
@@ -122,7 +124,7 @@ export class MapView {
         this.tree.object, this.bubbles.object, this.path.object,
         this.blockages.object, this.obstacles.object, this.particles.object,
         this.scan.object, this.robot.doubt, this.robot.truth, this.robot.robot,
-        this.goal.object, this.choice.object);
+        this.otherPlaces.object, this.goal.object, this.choice.object);
     this.paint();
     onThemeChange(() => {
       this.theme = currentTheme();
@@ -141,7 +143,7 @@ export class MapView {
     this.path.material.color.set(theme.path);
     this.choice.material.color.set(theme.goal);
     for (const layer of [this.robot, this.bubbles, this.goal, this.blockages,
-      this.obstacles, this.ground]) {
+      this.obstacles, this.ground, this.otherPlaces]) {
       layer.paint(theme);
     }
     this.draw();
@@ -241,6 +243,7 @@ export class MapView {
         { x: pose.x, y: pose.y, z: pose.height, yaw: pose.yaw };
     this.robot.place(this.robot.truth, truth === null ? null :
         { x: truth.x, y: truth.y, z: truth.height, yaw: truth.yaw });
+    this.otherPlaces.set(pose?.inDoubt ? pose.others : []);
     const poses = isUnderWay(state.goal) ? state.goal.poses : [];
     this.goal.set(poses, (at) => this.groundAt(at.x, at.y, at.level));
     this.applyCut();
