@@ -39,6 +39,7 @@ h2 { font-size: 1.25rem; margin: 2.5rem 0 .75rem; }
 .tile { background: var(--card); border-radius: .6rem; padding: .8rem 1rem; }
 .tile b { display: block; font-size: 1.7rem; line-height: 1.3; }
 .tile span, .quiet { color: var(--quiet); font-size: .9rem; }
+.quiet { overflow-wrap: anywhere; }
 .plan { display: block; max-width: 100%; height: auto; background: #fff;
   border: 1px solid var(--line); border-radius: .6rem; }
 table { border-collapse: collapse; width: 100%; }
