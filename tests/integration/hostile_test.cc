@@ -17,6 +17,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "common/http/testing_raw_client.h"
 #include "gmock/gmock.h"
 #include "tests/integration/fixture.h"
@@ -31,6 +33,8 @@ constexpr int kSideBySide = 20;
 constexpr int64_t kMaxGrowth_mib = 200;
 // Of connections and threads alone.
 constexpr int64_t kMaxGrowthOfStrangers_mib = 50;
+// Between two honest calls, so that they leave the processors to the attack.
+constexpr absl::Duration kPauseOfHonest = absl::Milliseconds(50);
 
 // MiB of a line like "VmRSS:   123456 kB"; the peak is VmHWM.
 int64_t Memory_mib(pid_t pid, absl::string_view what) {
@@ -108,6 +112,7 @@ class HostileTest : public ServerTest {
     bool is_last = false;
     while (!is_last) {
       is_last = running == 0;
+      if (!is_last) absl::SleepFor(kPauseOfHonest);
       ++asked;
       if (honest()) ++answered;
     }

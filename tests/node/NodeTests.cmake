@@ -69,9 +69,10 @@ function(npm_build name script)
 endfunction()
 
 # browser_test(NAME file.js NEEDS file... ENVIRONMENT VARIABLE=value...
-#   FIXTURES fixture...): a test with node and a browser, alone on the machine,
-# since a browser that draws without a GPU takes both cores. Skipped where a
-# file of NEEDS or chromium is missing.
+#   FIXTURES fixture...): a test with node and a browser, one at a time, since a
+# browser that draws without a GPU takes a core or two; mostly they wait, and
+# other tests run beside them. The first to be started. Skipped where a file of
+# NEEDS or chromium is missing.
 function(browser_test name file)
   cmake_parse_arguments(ARG "" "" "NEEDS;ENVIRONMENT;FIXTURES" ${ARGN})
   add_test(NAME ${name}
@@ -80,6 +81,6 @@ function(browser_test name file)
             -P ${TREELINE_NODE_TESTS}/run_browser.cmake)
   set_tests_properties(${name} PROPERTIES
     LABELS integration TIMEOUT 600 SKIP_REGULAR_EXPRESSION "SKIPPED"
-    RUN_SERIAL TRUE FIXTURES_REQUIRED "${ARG_FIXTURES}"
+    RESOURCE_LOCK browser COST 100 FIXTURES_REQUIRED "${ARG_FIXTURES}"
     ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()
