@@ -165,14 +165,12 @@ absl::StatusOr<std::unique_ptr<LocalizedRobot>> LocalizedRobot::Create(
   simulator::Scenario scenario;
   scenario.options.seed = options.seed;
   scenario.options.sensors.laser.scan_interval_s = kScanInterval_s;
-  TL_ASSIGN_OR_RETURN(
-      worlds::World world,
-      worlds::MakeWorld(options.world, {.after_moves = true,
-                                        .rearranged = options.rearranged,
-                                        .threads = 1,
-                                        .paint = false}));
-  TL_ASSIGN_OR_RETURN(scenario.options.start,
-                      simulator::StartOf(scenario, world));
+  scenario.world = options.world;
+  scenario.world_options = {.after_moves = true,
+                            .rearranged = options.rearranged,
+                            .threads = 1,
+                            .paint = false};
+  TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<simulator::Simulator> simulator,
       simulator::Simulator::Create(std::move(world), scenario.options));

@@ -32,12 +32,11 @@ std::string FolderOf(const SuiteMapOptions& options) {
 
 absl::StatusOr<simulator::RobotPlacement> DriveStart(
     const std::string& world_name) {
-  TL_ASSIGN_OR_RETURN(
-      const worlds::World world,
-      worlds::MakeWorld(world_name,
-                        {.with_people = false, .threads = 1, .paint = false}));
   simulator::Scenario scenario;
-  return simulator::StartOf(scenario, world);
+  scenario.world = world_name;
+  scenario.world_options = {.with_people = false, .threads = 1, .paint = false};
+  TL_RETURN_IF_ERROR(simulator::MakeWorldOf(scenario).status());
+  return scenario.options.start;
 }
 
 absl::Status RecordDrive(const SuiteMapOptions& options, const std::string& log,
@@ -45,18 +44,15 @@ absl::Status RecordDrive(const SuiteMapOptions& options, const std::string& log,
   runs::SimulationRunOptions run;
   simulator::Scenario& scenario = run.scenario;
   scenario.world = options.world;
+  scenario.world_options = {.lighting = options.map_lighting,
+                            .with_people = false};
   scenario.options.seed = kSurveySeed;
   scenario.options.sensors.camera_hz = kSurveyCamera_hz;
   scenario.options.threads = 0;
   run.tour.emplace();
   run.tour->options.look_around_every_m = kSurveyEvery_m;
   run.record_path = log;
-  TL_ASSIGN_OR_RETURN(
-      worlds::World world,
-      worlds::MakeWorld(options.world, {.lighting = options.map_lighting,
-                                        .with_people = false}));
-  TL_ASSIGN_OR_RETURN(scenario.options.start,
-                      simulator::StartOf(scenario, world));
+  TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
   TL_ASSIGN_OR_RETURN(
       const std::unique_ptr<simulator::Simulator> simulator,
       simulator::Simulator::Create(std::move(world), scenario.options));

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/status_macros.h"
 
 namespace treeline::simulator {
 namespace {
@@ -81,6 +82,14 @@ absl::StatusOr<RobotPlacement> StartOf(const Scenario& scenario,
   return RobotPlacement{.position = {from.x, from.y},
                         .yaw_rad = std::atan2(way.y, way.x),
                         .height_m = from.z};
+}
+
+absl::StatusOr<worlds::World> MakeWorldOf(Scenario& scenario) {
+  TL_ASSIGN_OR_RETURN(
+      worlds::World world,
+      worlds::MakeWorld(scenario.world, scenario.world_options));
+  TL_ASSIGN_OR_RETURN(scenario.options.start, StartOf(scenario, world));
+  return world;
 }
 
 ScenarioPlayer::ScenarioPlayer(const Scenario& scenario, Simulator& simulator)

@@ -20,6 +20,10 @@ namespace treeline::simulator {
 absl::StatusOr<RobotPlacement> StartOf(const Scenario& scenario,
                                        const worlds::World& world);
 
+// The scenario's world; sets options.start to where the scenario starts in it.
+// Errors of worlds::MakeWorld and StartOf.
+absl::StatusOr<worlds::World> MakeWorldOf(Scenario& scenario);
+
 // Plays a scenario: steps a simulator and does everything at its time, so that
 // the result does not depend on how time is divided into Steps. Commands of
 // drives are renewed every 50 ms. What cannot be done (a kidnap into a wall) is

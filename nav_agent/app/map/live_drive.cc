@@ -121,11 +121,7 @@ class SimulatedDrive final : public Drive {
     scenario.options.sensors.camera_hz =
         has_camera ? 1 / options.map.frame_interval_s : 0;
     scenario.world_options.paint = has_camera;
-    TL_ASSIGN_OR_RETURN(
-        worlds::World world,
-        worlds::MakeWorld(scenario.world, scenario.world_options));
-    TL_ASSIGN_OR_RETURN(scenario.options.start,
-                        simulator::StartOf(scenario, world));
+    TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
     TL_ASSIGN_OR_RETURN(
         std::unique_ptr<simulator::Simulator> simulator,
         simulator::Simulator::Create(std::move(world), scenario.options));

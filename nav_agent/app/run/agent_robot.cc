@@ -241,11 +241,7 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
   scenario.options.robot = options.robot.model;
   scenario.options.sensors.UseLasers(options.robot.lasers);
   if (!options.has_rear_laser) scenario.options.sensors.has_rear_laser = false;
-  TL_ASSIGN_OR_RETURN(
-      worlds::World world,
-      worlds::MakeWorld(scenario.world, scenario.world_options));
-  TL_ASSIGN_OR_RETURN(scenario.options.start,
-                      simulator::StartOf(scenario, world));
+  TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
   TL_ASSIGN_OR_RETURN(
       runs::SuiteWorld places,
       runs::SuiteWorld::Create(

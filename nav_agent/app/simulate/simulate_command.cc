@@ -129,11 +129,7 @@ absl::Status Simulate(const SimulateFlags& flags, const std::stop_token& stop) {
   simulator::Scenario& scenario = run.scenario;
   // Pictures are painted only for a camera.
   scenario.world_options.paint = scenario.options.sensors.camera_hz > 0;
-  TL_ASSIGN_OR_RETURN(
-      worlds::World world,
-      worlds::MakeWorld(scenario.world, scenario.world_options));
-  TL_ASSIGN_OR_RETURN(scenario.options.start,
-                      simulator::StartOf(scenario, world));
+  TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
   TL_ASSIGN_OR_RETURN(
       const std::unique_ptr<simulator::Simulator> simulator,
       simulator::Simulator::Create(std::move(world), scenario.options));

@@ -56,21 +56,19 @@ struct RobotFlags {
 
 absl::StatusOr<std::unique_ptr<simulator::Simulator>> SimulatorOf(
     const RobotFlags& flags) {
-  TL_ASSIGN_OR_RETURN(
-      worlds::World world,
-      worlds::MakeWorld(flags.world, {.with_people = !flags.no_people}));
   simulator::Scenario scenario;
+  scenario.world = flags.world;
+  scenario.world_options.with_people = !flags.no_people;
   if (!flags.at.empty()) {
     scenario.start = {.position = {flags.at[0], flags.at[1]},
                       .yaw_rad = flags.at[2] * std::numbers::pi / 180,
                       .height_m = flags.at.size() > 3 ? flags.at[3] : 0};
   }
-  simulator::SimulatorOptions options;
-  options.seed = flags.seed;
+  scenario.options.seed = flags.seed;
   // The emulated laser has its own clock, and scans when that says so.
-  options.sensors.has_laser = false;
-  TL_ASSIGN_OR_RETURN(options.start, simulator::StartOf(scenario, world));
-  return simulator::Simulator::Create(std::move(world), options);
+  scenario.options.sensors.has_laser = false;
+  TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
+  return simulator::Simulator::Create(std::move(world), scenario.options);
 }
 
 void PrintEvents(simulator::Simulator& simulator) {
