@@ -123,6 +123,16 @@ void AddListening(Table& table) {
             {.name = "http_listen",
              .value_name = "HOST:PORT",
              .help = "Address of the operator's page and its API; '': none"});
+  table.Add(&AgentConfig::foxglove_listen,
+            {.name = "foxglove_listen",
+             .value_name = "HOST:PORT",
+             .help = "Address at which Foxglove may watch, over its WebSocket "
+                     "protocol; Foxglove looks at 127.0.0.1:8765; '': none"});
+  table.Add(&AgentConfig::foxglove_origins,
+            {.name = "foxglove_origins",
+             .value_name = "ORIGIN,...",
+             .help = "Web pages that may watch there, by their origins; '*': "
+                     "any. Programs that are no pages always may"});
   table.Add(&AgentConfig::insecure_any_address,
             {.name = "insecure_any_address",
              .help = "Allow addresses that other machines reach; anybody who "

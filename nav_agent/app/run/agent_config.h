@@ -46,6 +46,8 @@ struct AgentConfig {
   // ---- who watches it ----
   std::string listen = "127.0.0.1:50061";
   std::string http_listen = "127.0.0.1:8081";
+  std::string foxglove_listen;
+  std::string foxglove_origins = "https://app.foxglove.dev,file://";
   bool insecure_any_address = false;
   std::string page_dir;
   int max_streams = 16;

@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "client/relocalizer/connect_options.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
@@ -24,6 +25,7 @@
 #include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
+#include "nav_agent/bridge/foxglove/foxglove_server.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
@@ -108,6 +110,11 @@ class AgentProgram {
   absl::Status WatchDevices();
   absl::Status ConnectServer();
   absl::Status Listen();
+  absl::Status LetFoxgloveWatch();
+  // Null: there is no camera.
+  const agent_service::PictureKeeper* CameraPicture() const {
+    return camera_ == nullptr ? nullptr : &camera_picture_;
+  }
   // False: a stop was requested meanwhile.
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
@@ -151,6 +158,7 @@ class AgentProgram {
   std::unique_ptr<agent_service::HttpApi> api_;
   std::unique_ptr<agent_service::AgentGrpcServer> grpc_;
   std::unique_ptr<http::HttpServer> http_;
+  std::unique_ptr<foxglove::FoxgloveServer> foxglove_;
   std::unique_ptr<ros_app::AgentTopics> topics_;
 };
 
@@ -283,6 +291,7 @@ absl::Status AgentProgram::Listen() {
                          .max_streams = config_.max_streams}));
     announce_("grpc on " + grpc_->address());
   }
+  TL_RETURN_IF_ERROR(LetFoxgloveWatch());
   if (config_.http_listen.empty()) return absl::OkStatus();
   agent_service::HttpApiOptions options;
   options.max_streams = config_.max_streams;
@@ -290,12 +299,10 @@ absl::Status AgentProgram::Listen() {
                             ? http::FindPageFolder("page", TREELINE_BUILT_PAGE)
                             : config_.page_dir;
   TL_RETURN_IF_ERROR(options.Validate());
-  const agent_service::PictureKeeper* camera =
-      camera_ == nullptr ? nullptr : &camera_picture_;
   const agent_service::PictureKeeper* query =
       server_ == nullptr ? nullptr : &query_picture_;
-  api_ = std::make_unique<agent_service::HttpApi>(*commands_, metrics_, camera,
-                                                  query, options, real_clock_);
+  api_ = std::make_unique<agent_service::HttpApi>(
+      *commands_, metrics_, CameraPicture(), query, options, real_clock_);
   http::HttpServerOptions http;
   http.listen = config_.http_listen;
   http.insecure_any_address = config_.insecure_any_address;
@@ -309,6 +316,20 @@ absl::Status AgentProgram::Listen() {
     log_.Say(logging::LogLevel::kWarn,
              "the operator's page is not built; its API answers");
   }
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::LetFoxgloveWatch() {
+  if (config_.foxglove_listen.empty()) return absl::OkStatus();
+  foxglove::FoxgloveServerOptions options;
+  options.listen = config_.foxglove_listen;
+  options.insecure_any_address = config_.insecure_any_address;
+  options.max_viewers = config_.max_streams;
+  options.origins = absl::StrSplit(config_.foxglove_origins, ',');
+  TL_ASSIGN_OR_RETURN(
+      foxglove_, foxglove::FoxgloveServer::Start(info_, hub_, CameraPicture(),
+                                                 options, real_clock_));
+  announce_(absl::StrCat("foxglove on ws://", foxglove_->address()));
   return absl::OkStatus();
 }
 

@@ -149,7 +149,7 @@ messages::Path PathOf(const std::vector<core::LevelPose>& path,
 }
 
 messages::DiagnosticArray ReportOf(const agent_service::AgentState& state,
-                                   const TopicFacts& topics,
+                                   const std::optional<TopicFacts>& topics,
                                    const messages::Time& stamp) {
   messages::DiagnosticArray report;
   report.header.stamp = stamp;
@@ -158,7 +158,7 @@ messages::DiagnosticArray ReportOf(const agent_service::AgentState& state,
   if (state.snapshot.goal.has_value()) {
     report.status.push_back(GoalStatusOf(*state.snapshot.goal));
   }
-  report.status.push_back(TopicsStatus(topics));
+  if (topics) report.status.push_back(TopicsStatus(*topics));
   for (const agent_service::DeviceReport& device : state.devices) {
     report.status.push_back(DeviceStatus(device));
   }

@@ -3,6 +3,7 @@
 #define NAV_AGENT_BRIDGE_AGENT_REPORT_AGENT_REPORT_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,9 +39,10 @@ struct TopicFacts {
 };
 
 // Statuses "treeline: navigation", "treeline: localization", "treeline: goal"
-// once there was one, "treeline: topics", and one for each device.
+// once there was one, "treeline: topics" if it lives by topics, and one for
+// each device.
 messages::DiagnosticArray ReportOf(const agent_service::AgentState& state,
-                                   const TopicFacts& topics,
+                                   const std::optional<TopicFacts>& topics,
                                    const messages::Time& stamp);
 
 }  // namespace treeline::agent_report
