@@ -1,5 +1,5 @@
 // The texts and bytes of Foxglove's WebSocket protocol
-// (github.com/foxglove/ws-protocol, docs/spec.md), as far as a server that only
+// (github.com/foxglove/ws-protocol), as far as a server that only
 // shows things speaks it.
 #ifndef NAV_AGENT_BRIDGE_FOXGLOVE_FOXGLOVE_PROTOCOL_H_
 #define NAV_AGENT_BRIDGE_FOXGLOVE_FOXGLOVE_PROTOCOL_H_
