@@ -189,6 +189,7 @@ BandTrack BandFollower::TrackOf(size_t whole_bubbles,
       if (ground.has_value()) {
         point.slope_rad = map_->SlopeAt_rad(ground->level, point.in_map);
       }
+      point.max_mps = costmap.MaxSpeed_mps(point.in_map);
       track.points.push_back(point);
     }
   }
