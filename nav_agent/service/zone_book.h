@@ -25,7 +25,7 @@ struct ZoneBookContents {
   // Counts changes, from 1.
   uint64_t revision = 1;
   std::vector<zones::Zone> zones;
-  // Never null but without a map: nothing is in it then.
+  // Null: there never were any.
   std::shared_ptr<const zones::ZoneMap> map;
 };
 
