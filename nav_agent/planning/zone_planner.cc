@@ -120,8 +120,14 @@ absl::StatusOr<PlanResult> ZonePlanner::Plan(
   }
   TL_ASSIGN_OR_RETURN(const std::shared_ptr<const Zoned> zoned,
                       ZonedFor(request.zones));
-  const bool starts_inside = request.zones->IsKeptOut(
-      request.start.place.level, request.start.map_from_base.translation);
+  // What is not on the map the planner within says.
+  const bool is_on_map =
+      goal_level >= 0 && goal_level < map_->levels() &&
+      map_->grid(goal_level).Contains(map_->grid(goal_level).CellOf(goal));
+  const bool starts_inside =
+      is_on_map &&
+      request.zones->IsKeptOut(request.start.place.level,
+                               request.start.map_from_base.translation);
   TL_ASSIGN_OR_RETURN(result, starts_inside
                                   ? PlanOut(*zoned, request, budget, stop)
                                   : PlanOn(*zoned, request, budget, stop));

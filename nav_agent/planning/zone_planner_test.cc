@@ -101,6 +101,15 @@ TEST_P(ZonePlannerTest, AGoalInAZoneIsRefusedByName) {
   EXPECT_THAT(result.why, HasSubstr("keep-out zone 'box'"));
 }
 
+TEST_P(ZonePlannerTest, AGoalBesideTheMapIsThatFromWithinAZone) {
+  const auto map = DrawnMap(RoomRows(80, 50));
+  const std::vector<Zone> zones = {Box(ZoneKind::kKeepOut, 3, 1, 5, 4)};
+  EXPECT_EQ(Plan(map, At(4, 2.5), At(40, 2.5), zones).failure,
+            core::NavigationCause::kGoalOutside);
+  EXPECT_EQ(Plan(map, At(4, 2.5), At(7, 2.5, 0, 7), zones).failure,
+            core::NavigationCause::kGoalOutside);
+}
+
 TEST_P(ZonePlannerTest, ZonesThatCutTheGoalOffAreBlamed) {
   const auto map = DrawnMap(RoomRows(80, 50));
   const PlanResult result =

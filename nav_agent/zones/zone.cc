@@ -37,6 +37,13 @@ bool IsBetween(geometry::Vec2 a, geometry::Vec2 b, geometry::Vec2 c) {
 // Whether two lines have a point in common.
 bool Meet(geometry::Vec2 a, geometry::Vec2 b, geometry::Vec2 c,
           geometry::Vec2 d) {
+  // Most are far from one another.
+  if (std::max(a.x, b.x) < std::min(c.x, d.x) ||
+      std::max(c.x, d.x) < std::min(a.x, b.x) ||
+      std::max(a.y, b.y) < std::min(c.y, d.y) ||
+      std::max(c.y, d.y) < std::min(a.y, b.y)) {
+    return false;
+  }
   const int c_side = SideOf(a, b, c);
   const int d_side = SideOf(a, b, d);
   const int a_side = SideOf(c, d, a);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <queue>
 #include <utility>
@@ -268,43 +267,54 @@ void ZoneMap::AddMask(const ZoneMask& mask, double full_mps) {
   });
 }
 
-// Dijkstra from all free ground that is not kept out of.
+// Dijkstra, from the cells beside free ground that is not kept out of.
 void ZoneMap::MeasureWaysOut(const traversability::TraversableMap& map) {
   using Open = std::pair<float, size_t>;
+  const auto width = static_cast<size_t>(grid_.width);
   for (size_t number = 0; number < levels_.size(); ++number) {
     Level& level = levels_[number];
     if (level.keep_out.empty()) continue;
     const core::OccupancyGrid& ground = map.levels[number].grid;
-    const auto is_free = [&](size_t cell) {
-      return ground.cells[cell] == core::Occupancy::kFree;
-    };
     level.way_out_m.assign(level.keep_out.size(), kNoLimit);
     std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
+    // Of the cells beside one that are free, and kept out of or not.
+    const auto for_each_beside = [&](size_t cell, bool is_kept_out,
+                                     const auto& take) {
+      for (const core::CellIndex& step : kBeside) {
+        const core::CellIndex beside = {
+            static_cast<int>(cell % width) + step.x,
+            static_cast<int>(cell / width) + step.y};
+        if (!grid_.Contains(beside)) continue;
+        const size_t next = grid_.IndexOf(beside);
+        if (ground.cells[next] != core::Occupancy::kFree ||
+            (level.keep_out[next] != 0) != is_kept_out) {
+          continue;
+        }
+        take(next, static_cast<float>(grid_.resolution_m *
+                                      std::hypot(step.x, step.y)));
+      }
+    };
+    const auto reach = [&](size_t cell, float way_m) {
+      if (way_m >= level.way_out_m[cell]) return;
+      level.way_out_m[cell] = way_m;
+      open.push({way_m, cell});
+    };
     for (size_t cell = 0; cell < level.keep_out.size(); ++cell) {
-      if (level.keep_out[cell] != 0 || !is_free(cell)) continue;
-      level.way_out_m[cell] = 0;
-      open.push({0, cell});
+      if (level.keep_out[cell] == 0 ||
+          ground.cells[cell] != core::Occupancy::kFree) {
+        continue;
+      }
+      for_each_beside(cell, false,
+                      [&](size_t, float step_m) { reach(cell, step_m); });
     }
     while (!open.empty()) {
       const auto [way_m, cell] = open.top();
       open.pop();
       if (way_m > level.way_out_m[cell]) continue;
-      const auto width = static_cast<size_t>(grid_.width);
-      const int x = static_cast<int>(cell % width);
-      const int y = static_cast<int>(cell / width);
-      for (const core::CellIndex& step : kBeside) {
-        const core::CellIndex beside = {x + step.x, y + step.y};
-        if (!grid_.Contains(beside)) continue;
-        const size_t next = grid_.IndexOf(beside);
-        if (level.keep_out[next] == 0 || !is_free(next)) continue;
-        const double step_m =
-            grid_.resolution_m *
-            (step.x != 0 && step.y != 0 ? std::numbers::sqrt2 : 1.0);
-        const float next_m = way_m + static_cast<float>(step_m);
-        if (next_m >= level.way_out_m[next]) continue;
-        level.way_out_m[next] = next_m;
-        open.push({next_m, next});
-      }
+      const float so_far_m = way_m;
+      for_each_beside(cell, true, [&](size_t next, float step_m) {
+        reach(next, so_far_m + step_m);
+      });
     }
   }
 }
