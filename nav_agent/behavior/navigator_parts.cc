@@ -473,7 +473,10 @@ absl::Status NavigatorOfParts::Drive(const core::VelocityCommand& wanted) {
 absl::Status NavigatorOfParts::SetZones(
     std::shared_ptr<const zones::ZoneMap> zones) {
   events_.SetTime(clock_.Now());
+  const auto has_none = [this] { return zones_ == nullptr || zones_->empty(); };
+  const bool had_none = has_none();
   zones_ = std::move(zones);
+  if (had_none && has_none()) return absl::OkStatus();
   runner_.SetZones(zones_);
   events_.Add("zones", runner_.is_active() ? "zones have changed: plans anew"
                                            : "zones have changed");

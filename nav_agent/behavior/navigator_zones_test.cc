@@ -77,6 +77,17 @@ TEST_F(NavigatorZonesTest, ZonesThatChangeOnTheWayHaveItPlanAnew) {
   EXPECT_EQ(Count("zones", "plans anew"), 1);
 }
 
+TEST_F(NavigatorZonesTest, NoZonesInsteadOfNoneDisturbNobody) {
+  MakePlaced();
+  Send({PoseAtPoint(7, 2)});
+  Run(0.1);
+  const auto none = zones::ZoneMap::Make(OpenMap()->traversable(), {}, {}, 0.6);
+  ASSERT_TRUE(navigator->SetZones(*none).ok());
+  Run(kStep_s);
+  EXPECT_EQ(mode(), NavigatorMode::kDriving);
+  EXPECT_EQ(Count("zones", ""), 0);
+}
+
 TEST_F(NavigatorZonesTest, ZonesThatLeaveNoWayEndTheGoalAtOnce) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});
