@@ -29,7 +29,8 @@ zones::Zone Box(const std::string& name) {
 class ZoneBookTest : public ::testing::Test {
  protected:
   absl::StatusOr<std::unique_ptr<ZoneBook>> Open() const {
-    return ZoneBook::Open(TwoLevelMap(), {.folder = folder_.path()});
+    return ZoneBook::Open(TwoLevelMap(),
+                          {.masks = {}, .folder = folder_.path()});
   }
   std::string path() const { return folder_.Path("zones"); }
   // What the robot was told last.
@@ -89,7 +90,7 @@ TEST_F(ZoneBookTest, ZonesOfAnotherMapAreAnError) {
     level.grid.map_from_grid.translation = {100, 100};
   }
   const absl::Status status =
-      ZoneBook::Open(small, {.folder = folder_.path()}).status();
+      ZoneBook::Open(small, {.masks = {}, .folder = folder_.path()}).status();
   EXPECT_THAT(status.message(), HasSubstr("'far' lies beside the map"));
   EXPECT_THAT(status.message(), HasSubstr("are they of another map?"));
 }
@@ -149,7 +150,8 @@ TEST_F(ZoneBookTest, AMaskIsSaidInRuns) {
   zones::ZoneMask mask;
   mask.name = "mask.yaml";
   mask.values = std::make_shared<const core::ValueGrid>(values);
-  const auto book = *ZoneBook::Open(TwoLevelMap(), {.masks = {mask}});
+  const auto book =
+      *ZoneBook::Open(TwoLevelMap(), {.masks = {mask}, .folder = ""});
   EXPECT_EQ(book->RunsOf(mask),
             (std::vector<int32_t>{0, 0, 2, 0, 3, 4, 1, 1, 2, 5, 7, 8}));
 }
