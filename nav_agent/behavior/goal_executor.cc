@@ -91,6 +91,16 @@ void GoalExecutor::Suspend() {
   if (is_active()) state_ = ToPlanState();
 }
 
+void GoalExecutor::SetZones(std::shared_ptr<const zones::ZoneMap> zones) {
+  tools_.controller.SetZones(zones);
+  tools_.plans.SetZones(std::move(zones));
+  Suspend();
+  if (!is_active()) return;
+  // Zones that leave no way are no trouble that recoveries help against.
+  goal_->is_first_path = true;
+  tools_.attempts.Refill();
+}
+
 void GoalExecutor::NoteWayIsFree() {
   if (auto* driving = std::get_if<DrivingState>(&state_)) {
     driving->NoteWayIsFree();

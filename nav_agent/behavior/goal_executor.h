@@ -45,6 +45,9 @@ class GoalExecutor {
   // before it goes on.
   void Suspend();
 
+  // Of the map; null: none. What is driven to is planned anew.
+  void SetZones(std::shared_ptr<const zones::ZoneMap> zones);
+
   // Something that stood in the way is gone: no need to wait for it.
   void NoteWayIsFree();
 

@@ -12,6 +12,7 @@
 #include "nav_agent/behavior/navigator_options.h"
 #include "nav_agent/behavior/navigator_snapshot.h"
 #include "nav_agent/core/devices.h"
+#include "nav_agent/zones/zone_map.h"
 
 namespace treeline::behavior {
 
@@ -52,7 +53,8 @@ class Navigator {
   virtual void Step() = 0;
 
   // Replaces the goal there is. INVALID_ARGUMENT: none, or not finite.
-  // FAILED_PRECONDITION: the robot is stopped.
+  // FAILED_PRECONDITION: the robot is stopped, or a pose lies in a zone that it
+  // is kept out of.
   virtual absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) = 0;
   // NOT_FOUND: that goal is not the current one. 0: whichever there is.
   virtual absl::Status CancelGoal(uint64_t id) = 0;
@@ -69,6 +71,12 @@ class Navigator {
   // silent. A goal or a search waits for Resume afterwards. INVALID_ARGUMENT:
   // not finite. FAILED_PRECONDITION: it is stopped, or a device is lost.
   virtual absl::Status Drive(const core::VelocityCommand& wanted) = 0;
+  // Zones of the navigator's map; null: none. All that moves it respects them
+  // from the next step on, and a goal is planned anew; one that lies in what is
+  // kept out of ends with kZone. FAILED_PRECONDITION: it drives without a map,
+  // and so without zones.
+  virtual absl::Status SetZones(
+      std::shared_ptr<const zones::ZoneMap> zones) = 0;
   // The robot is told where it is.
   virtual absl::Status SetPose(
       const core::LevelPose& pose,

@@ -22,6 +22,8 @@ absl::Status NavigatorOptions::Validate() const {
       base::CheckRange("laser_timeout_s", laser_timeout_s, 0.05, 5));
   TL_RETURN_IF_ERROR(
       base::CheckRange("odometry_timeout_s", odometry_timeout_s, 0.05, 5));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("manual_lease_s", manual_lease_s, 1e-3, 1000));
   return base::CheckRange("depth_hz", depth_hz, 0, 30);
 }
 

@@ -46,6 +46,10 @@ struct NavigatorOptions {
   // waiting to be told.
   bool finds_itself_at_start = false;
   uint64_t seed = 0;
+  // For how long a command of somebody who drives by hand is good, on the
+  // navigator's clock (s, 0.001 to 1000): longer where that runs faster than
+  // theirs, in simulations.
+  double manual_lease_s = kManualLease_s;
 
   // INVALID_ARGUMENT names the field.
   absl::Status Validate() const;

@@ -10,6 +10,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/goal_executor.h"
+#include "nav_agent/behavior/lasers_plane.h"
 #include "nav_agent/behavior/navigator_poses.h"
 #include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/operator_control.h"
@@ -35,6 +36,7 @@ class NavigatorOfParts final : public Navigator {
   void Stop(const std::string& why) override;
   void Release() override;
   absl::Status Drive(const core::VelocityCommand& wanted) override;
+  absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -53,9 +55,6 @@ class NavigatorOfParts final : public Navigator {
   void LookThroughBlockages(const control::ControlPose& pose,
                             const core::LaserScan& scan,
                             core::LaserMount mount);
-  bool IsInLasersPlane(const control::ControlPose& pose,
-                       const geometry::Rigid3& base_from_laser,
-                       const planning::Blockage& blockage) const;
   void ChooseFrame();
   std::vector<StopReason> FindProblems() const;
   std::optional<control::ControlPose> PoseNow() const;
@@ -81,6 +80,7 @@ class NavigatorOfParts final : public Navigator {
   LatchedStop stop_;
   ManualDrive manual_;
   GoalExecutor runner_;
+  std::shared_ptr<const zones::ZoneMap> zones_;
 
   base::MonotonicTime now_;
   int64_t steps_ = 0;
@@ -116,7 +116,7 @@ NavigatorOfParts::NavigatorOfParts(NavigatorParts parts,
       deadline_(options.control_hz, options.limits, events_),
       safe_stop_(options.limits, events_),
       stop_(events_),
-      manual_(events_),
+      manual_(events_, options.manual_lease_s),
       runner_(parts_.map, *parts_.planner, *parts_.controller, options,
               events_) {}
 
@@ -236,33 +236,13 @@ void NavigatorOfParts::LookThroughBlockages(const control::ControlPose& pose,
       ScanEndsInMap(scan, laser.Info(), base_from_laser,
                     pose.pose.map_from_base, kSeeThroughBeamStep, true),
       [&](const planning::Blockage& blockage) {
-        return !IsInLasersPlane(pose, base_from_laser, blockage) ||
+        return !IsInLasersPlane(*parts_.map, pose, base_from_laser, blockage) ||
                IsSeenNear(costmap, blockage.center,
                           blockage.radius_m + kBlockageDepth_m);
       });
   if (forgotten == 0) return;
   events_.Add("blocked", "the obstacle in the way is gone");
   runner_.NoteWayIsFree();
-}
-
-// On and before slopes the laser looks into the ground, or over what stands
-// there.
-bool NavigatorOfParts::IsInLasersPlane(
-    const control::ControlPose& pose, const geometry::Rigid3& base_from_laser,
-    const planning::Blockage& blockage) const {
-  const std::optional<core::LevelPlace> ground =
-      parts_.map->GroundOf(blockage.center, blockage.level);
-  if (!ground.has_value()) return false;
-  const geometry::Rigid3 map_from_laser =
-      control::MapFromBase3(pose) * base_from_laser;
-  const geometry::Vec3 normal =
-      map_from_laser.rotation * geometry::Vec3{0, 0, 1};
-  const geometry::Vec3 from = map_from_laser.translation;
-  const double z_m = from.z - (normal.x * (blockage.center.x - from.x) +
-                               normal.y * (blockage.center.y - from.y)) /
-                                  normal.z;
-  const double above_m = z_m - ground->height_m;
-  return above_m > kMinSeeThroughHeight_m && above_m < kMaxSeeThroughHeight_m;
 }
 
 void NavigatorOfParts::FeedCamera() {
@@ -424,6 +404,7 @@ absl::StatusOr<uint64_t> NavigatorOfParts::SetGoal(const NavigationGoal& goal) {
   }
   for (const core::LevelPose& pose : goal.poses) {
     TL_RETURN_IF_ERROR(CheckOnLevels(pose, "a goal", parts_.map->levels()));
+    TL_RETURN_IF_ERROR(CheckNotKeptOut(pose, "the goal", zones_.get()));
   }
   return runner_.Start(goal);
 }
@@ -483,12 +464,22 @@ absl::Status NavigatorOfParts::Drive(const core::VelocityCommand& wanted) {
   now_ = clock_.Now();
   events_.SetTime(now_);
   TL_RETURN_IF_ERROR(stop_.Refuse("driving by hand"));
-  if (safe_stop_.is_active()) {
-    return absl::FailedPreconditionError("driving by hand is refused: " +
-                                         safe_stop_.reason().text);
-  }
+  TL_RETURN_IF_ERROR(safe_stop_.Refuse("driving by hand"));
   TL_RETURN_IF_ERROR(manual_.Drive(wanted, now_));
   if (runner_.is_active() || WouldMoveByItself()) Pause();
+  return absl::OkStatus();
+}
+
+absl::Status NavigatorOfParts::SetZones(
+    std::shared_ptr<const zones::ZoneMap> zones) {
+  events_.SetTime(clock_.Now());
+  const auto has_none = [this] { return zones_ == nullptr || zones_->empty(); };
+  const bool had_none = has_none();
+  zones_ = std::move(zones);
+  if (had_none && has_none()) return absl::OkStatus();
+  runner_.SetZones(zones_);
+  events_.Add("zones", runner_.is_active() ? "zones have changed: plans anew"
+                                           : "zones have changed");
   return absl::OkStatus();
 }
 

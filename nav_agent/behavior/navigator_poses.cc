@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 
 namespace treeline::behavior {
 
@@ -24,6 +25,20 @@ absl::Status CheckOnLevels(const core::LevelPose& pose, const std::string& what,
                      "; the map has levels 0 to ", levels - 1));
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckNotKeptOut(const core::LevelPose& pose,
+                             const std::string& what,
+                             const zones::ZoneMap* zones) {
+  const geometry::Vec2 at = pose.map_from_base.translation;
+  if (zones == nullptr || !zones->IsKeptOut(pose.place.level, at)) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "%s (%.2f, %.2f) on level %d is refused: it lies in the keep-out zone "
+      "'%s'",
+      what, at.x, at.y, pose.place.level,
+      zones->KeepOutName(pose.place.level, at)));
 }
 
 std::optional<control::ControlPose> ControlPoseOf(

@@ -9,6 +9,7 @@
 #include "nav_agent/control/control_pose.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/robot_tracker.h"
+#include "nav_agent/zones/zone_map.h"
 
 namespace treeline::behavior {
 
@@ -17,6 +18,11 @@ bool IsFinite(const core::LevelPose& pose);
 // names it.
 absl::Status CheckOnLevels(const core::LevelPose& pose, const std::string& what,
                            int levels);
+
+// FAILED_PRECONDITION: it lies in what `zones` (null: none) keep out of.
+absl::Status CheckNotKeptOut(const core::LevelPose& pose,
+                             const std::string& what,
+                             const zones::ZoneMap* zones);
 
 // In the wheels' frame: where that is on the map is not known.
 std::optional<control::ControlPose> ControlPoseOf(

@@ -5,7 +5,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
-#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 
@@ -48,7 +47,7 @@ absl::Status ManualDrive::Drive(const core::VelocityCommand& wanted,
 std::optional<core::VelocityCommand> ManualDrive::Wanted(
     base::MonotonicTime now) {
   if (!driven_.has_value()) return std::nullopt;
-  if (base::SecondsBetween(*driven_, now) > kManualLease_s) {
+  if (base::SecondsBetween(*driven_, now) > lease_s_) {
     End();
     return std::nullopt;
   }

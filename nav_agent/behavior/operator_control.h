@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/navigator_snapshot.h"
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/core/sensor_data.h"
 
 namespace treeline::behavior {
@@ -33,10 +34,12 @@ class LatchedStop {
   std::optional<OperatorStop> stop_;
 };
 
-// The dead man's switch: a command is good for kManualLease_s. Not thread-safe.
+// The dead man's switch: a command is good for lease_s, kManualLease_s of real
+// time. Not thread-safe.
 class ManualDrive {
  public:
-  explicit ManualDrive(EventLog& events) : events_(&events) {}
+  explicit ManualDrive(EventLog& events, double lease_s = kManualLease_s)
+      : events_(&events), lease_s_(lease_s) {}
 
   // INVALID_ARGUMENT: not finite.
   absl::Status Drive(const core::VelocityCommand& wanted,
@@ -49,6 +52,7 @@ class ManualDrive {
 
  private:
   EventLog* events_;
+  double lease_s_;
   core::VelocityCommand wanted_;
   // The last command's.
   std::optional<base::MonotonicTime> driven_;

@@ -62,6 +62,17 @@ TEST_F(OperatorControlTest, MotionEndsWithoutAFreshCommand) {
   EXPECT_THAT(Kinds(), ::testing::ElementsAre("manual", "manual"));
 }
 
+// A clock that runs four times as fast as that of whoever drives.
+TEST_F(OperatorControlTest, ALeaseIsAsLongAsItIsTold) {
+  ManualDrive fast(events_, 4 * kManualLease_s);
+  const core::VelocityCommand ahead = {.forward_mps = 0.3, .yaw_rate_radps = 0};
+  ASSERT_TRUE(fast.Drive(ahead, clock_.Now()).ok());
+  clock_.Advance_s(1.19);
+  EXPECT_EQ(fast.Wanted(clock_.Now()), ahead);
+  clock_.Advance_s(0.02);
+  EXPECT_FALSE(fast.Wanted(clock_.Now()).has_value());
+}
+
 TEST_F(OperatorControlTest, WhatIsNotFiniteIsNotDriven) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(

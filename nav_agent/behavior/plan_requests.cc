@@ -14,7 +14,8 @@ void PlanRequests::Ask(PlanPurpose purpose, const core::LevelPose& from,
   planning::PlanRequest request = {.start = from,
                                    .goal = to,
                                    .blockages = {},
-                                   .seed = base::MixBits(seed_ + ++plans_)};
+                                   .seed = base::MixBits(seed_ + ++plans_),
+                                   .zones = zones_};
   if (purpose != PlanPurpose::kUnblocked) {
     request.blockages = std::move(blockages);
   }

@@ -3,7 +3,9 @@
 #define NAV_AGENT_BEHAVIOR_PLAN_REQUESTS_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -30,6 +32,10 @@ class PlanRequests {
         max_plan_s_(options.limits.plan_s),
         seed_(options.seed) {}
 
+  // Of all plans from now on; null: none.
+  void SetZones(std::shared_ptr<const zones::ZoneMap> zones) {
+    zones_ = std::move(zones);
+  }
   // Gives up what was asked before. blockages: what stands about; a plan of
   // kUnblocked is not told of it.
   void Ask(PlanPurpose purpose, const core::LevelPose& from,
@@ -65,6 +71,7 @@ class PlanRequests {
   double max_plan_s_;
   uint64_t seed_;
   uint64_t plans_ = 0;
+  std::shared_ptr<const zones::ZoneMap> zones_;
   std::optional<Asked> asked_;
 };
 

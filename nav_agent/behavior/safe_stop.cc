@@ -38,6 +38,12 @@ void SafeStop::Update(const std::vector<StopReason>& found,
   reason_.reset();
 }
 
+absl::Status SafeStop::Refuse(const std::string& what) const {
+  if (!reason_.has_value()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat(what, " is refused: ", reason_->text));
+}
+
 void TiltMonitor::Add(const core::BaseReading& reading) {
   // The angle of the base's z axis to the vertical.
   tilt_rad_ = std::acos(std::clamp(

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/sensor_monitor.h"
 
@@ -23,6 +24,8 @@ class SafeStop {
   bool is_active() const { return reason_.has_value(); }
   // While active.
   const StopReason& reason() const { return *reason_; }
+  // FAILED_PRECONDITION with the reason while it is active; `what` is refused.
+  absl::Status Refuse(const std::string& what) const;
 
  private:
   NavigatorLimits limits_;

@@ -30,6 +30,18 @@ class SafeStopTest : public NavigatorFixture {
   }
 };
 
+TEST_F(SafeStopTest, WhileItHoldsItRefusesWithTheReason) {
+  EventLog log;
+  SafeStop stop({}, log);
+  EXPECT_TRUE(stop.Refuse("driving by hand").ok());
+  stop.Update(
+      {{.cause = core::NavigationCause::kLaserLost, .text = "no laser"}},
+      clock.Now());
+  EXPECT_EQ(
+      stop.Refuse("driving by hand"),
+      absl::FailedPreconditionError("driving by hand is refused: no laser"));
+}
+
 TEST_F(SafeStopTest, OfASilentLaser) {
   Drive();
   laser_runs = false;

@@ -104,6 +104,9 @@ class FakeController final : public control::LocalController {
     return absl::OkStatus();
   }
   void ClearObstacles() override { ++clears; }
+  void SetZones(std::shared_ptr<const zones::ZoneMap> told) override {
+    zones = std::move(told);
+  }
   void SetPath(const std::vector<core::LevelPose>& set) override { path = set; }
   control::ControlResult Step(const control::ControlPose& /*pose*/) override {
     ++steps;
@@ -130,6 +133,7 @@ class FakeController final : public control::LocalController {
   control::CostmapView Costmap() const override { return {}; }
 
   std::vector<core::LevelPose> path;
+  std::shared_ptr<const zones::ZoneMap> zones;
   control::ControlResult result = {
       .state = control::ControlState::kDriving,
       .command = {.forward_mps = 0.5, .yaw_rate_radps = 0},

@@ -189,8 +189,16 @@ BandTrack BandFollower::TrackOf(size_t whole_bubbles,
       if (ground.has_value()) {
         point.slope_rad = map_->SlopeAt_rad(ground->level, point.in_map);
       }
+      point.max_mps = costmap.MaxSpeed_mps(point.in_map);
       track.points.push_back(point);
     }
+  }
+  // As slow as a zone two cells before its edge: a base brakes a little late.
+  for (size_t i = 0; i + 1 < track.points.size(); ++i) {
+    const size_t ahead = std::min(i + 2, track.points.size() - 1);
+    track.points[i].max_mps =
+        std::min({track.points[i].max_mps, track.points[i + 1].max_mps,
+                  track.points[ahead].max_mps});
   }
   return track;
 }

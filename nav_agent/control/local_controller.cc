@@ -72,6 +72,10 @@ class BandController final : public LocalController {
     standstill_.Reset();
   }
 
+  void SetZones(std::shared_ptr<const zones::ZoneMap> zones) override {
+    costmap_.SetZones(std::move(zones));
+  }
+
   void SetPath(const std::vector<core::LevelPose>& path) override;
   ControlResult Step(const ControlPose& pose) override;
   core::VelocityCommand Guard(const ControlPose& pose,
@@ -173,15 +177,17 @@ bool BandController::Sees(base::MonotonicTime now) const {
 
 RegulatorInput BandController::InputAt(
     const ControlPose& pose, std::span<const GuardPoint> points) const {
-  return {.pose = pose,
-          .costmap = costmap_,
-          .guard = guard_,
-          .points = points,
-          .start = history_.StartAt(pose.stamp,
-                                    {.forward_mps = pose.forward_mps,
-                                     .yaw_rate_radps = pose.yaw_rate_radps},
-                                    robot_),
-          .sees = IsFinitePose(pose) && Sees(pose.stamp)};
+  return {
+      .pose = pose,
+      .costmap = costmap_,
+      .guard = guard_,
+      .points = points,
+      .start = history_.StartAt(pose.stamp,
+                                {.forward_mps = pose.forward_mps,
+                                 .yaw_rate_radps = pose.yaw_rate_radps},
+                                robot_),
+      .sees = IsFinitePose(pose) && Sees(pose.stamp),
+      .max_mps = costmap_.MaxSpeed_mps(pose.pose.map_from_base.translation)};
 }
 
 RegulatorInput BandController::InputAlong(

@@ -16,6 +16,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/traversability/navigation_map.h"
+#include "nav_agent/zones/zone_map.h"
 
 namespace treeline::control {
 
@@ -66,7 +67,7 @@ struct CostmapView {
   double resolution_m = 0.05;
   int width = 0;
   int height = 0;
-  // 0 free, 1 obstacle of the map, 2 obstacle that was seen.
+  // 0 free, 1 obstacle of the map or kept out of, 2 obstacle that was seen.
   std::vector<uint8_t> cells;
   // To the nearest obstacle (m).
   std::vector<float> distance_m;
@@ -92,6 +93,8 @@ class LocalController {
                                 const core::RgbdFrame& frame) = 0;
   // Forgets all that was seen (a recovery; the robot was told where it is).
   virtual void ClearObstacles() = 0;
+  // Of the controller's map; null: none.
+  virtual void SetZones(std::shared_ptr<const zones::ZoneMap> zones) = 0;
 
   // A new path; replaces what there is. Empty: none.
   virtual void SetPath(const std::vector<core::LevelPose>& path) = 0;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -50,6 +51,7 @@ LocalCostmap::LocalCostmap(
       map_resolution_m_(map->resolution_m()),
       window_(options.length_m, options.width_m, options.resolution_m),
       ground_(std::move(map), window_.cells()),
+      zones_(window_.cells(), Footprint::Of(robot)),
       obstacles_(window_.cells(), lasers.rear.has_value()),
       front_(lasers.front, robot.BaseFrom(core::LaserMount::kFront),
              robot.height_m, far_m_),
@@ -91,7 +93,10 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
         pose.place.level != placed_at_->place.level ||
         std::abs(pose.place.height_m - placed_at_->place.height_m) >
             kClimbVoxels * map_resolution_m_;
-    if (!rolls && !climbs) return;
+    if (!rolls && !climbs) {
+      zones_.LetOut(window_, ground_, pose);
+      return;
+    }
     if (rolls) obstacles_.Roll(window_, window);
   } else {
     obstacles_.Clear();
@@ -103,6 +108,15 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
   } else {
     ground_.Spread(window_, pose);
   }
+  zones_.Spread(window_, ground_);
+  zones_.LetOut(window_, ground_, pose);
+}
+
+void LocalCostmap::SetZones(std::shared_ptr<const zones::ZoneMap> zones) {
+  zones_.SetZones(std::move(zones));
+  if (!placed_at_.has_value()) return;
+  zones_.Spread(window_, ground_);
+  zones_.LetOut(window_, ground_, *placed_at_);
 }
 
 absl::Status LocalCostmap::AddScan(const ControlPose& pose,
@@ -156,7 +170,8 @@ void LocalCostmap::Update(base::MonotonicTime now) {
   obstacles_.Forget(BeginEpoch_ms(now));
   std::vector<uint8_t> is_obstacle(cells_.size());
   for (size_t i = 0; i < cells_.size(); ++i) {
-    cells_[i] = !ground_.IsGround(i)   ? LocalCell::kMapObstacle
+    cells_[i] = !ground_.IsGround(i) || zones_.IsClosed(i)
+                    ? LocalCell::kMapObstacle
                 : obstacles_.Counts(i) ? LocalCell::kSeen
                                        : LocalCell::kFree;
     is_obstacle[i] = cells_[i] == LocalCell::kFree ? 0 : 1;
@@ -176,6 +191,21 @@ std::optional<core::LevelPlace> LocalCostmap::GroundAt(
   const core::CellIndex cell = window_.CellOf(point_in_map);
   if (!window_.IsInside(cell)) return std::nullopt;
   return ground_.PlaceAt(window_.IndexOf(cell.x, cell.y));
+}
+
+double LocalCostmap::MaxSpeed_mps(geometry::Vec2 point_in_map) const {
+  const std::optional<core::LevelPlace> ground =
+      ground_.map_is_unknown() ? std::nullopt : GroundAt(point_in_map);
+  return ground.has_value() ? zones_.MaxSpeed_mps(ground->level, point_in_map)
+                            : std::numeric_limits<double>::infinity();
+}
+
+std::vector<geometry::Vec2> LocalCostmap::MapObstacles(
+    const core::LevelPose& pose, double radius_m) const {
+  std::vector<geometry::Vec2> obstacles = ground_.MapObstacles(pose, radius_m);
+  const std::vector<geometry::Vec2> edges = zones_.Edges(pose, radius_m);
+  obstacles.insert(obstacles.end(), edges.begin(), edges.end());
+  return obstacles;
 }
 
 std::vector<RememberedObstacle> LocalCostmap::UnseenObstacles(

@@ -20,6 +20,7 @@
 #include "nav_agent/control/observed_point.h"
 #include "nav_agent/control/obstacle_layer.h"
 #include "nav_agent/control/setting_parameters.h"
+#include "nav_agent/control/zone_layer.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/traversability/navigation_map.h"
@@ -35,16 +36,18 @@ struct LocalCostmapOptions {
   absl::Status Validate() const;
 };
 
+// kMapObstacle: zones that are kept out of, too.
 enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 
 // A window that rolls along with the robot, in layers that know nothing of each
 // other's making:
 //
 //   GroundLayer     the map's ground that continues the robot's own
+//   ZoneLayer       what the robot is kept out of
 //   ObstacleLayer   what sensors have hit and passed
 //   LaserObserver,     from scans and frames into the ObstacleLayer
 //   DepthObserver
-//   DistanceLayer   distances to what either layer has
+//   DistanceLayer   distances to what any layer has
 //
 // This class gives them all the same window, pose and time. Sensors' data may
 // come between steps; questions are answered as of the last Update.
@@ -67,6 +70,8 @@ class LocalCostmap {
                        core::LaserMount mount = core::LaserMount::kFront);
   absl::Status AddDepth(const ControlPose& pose, const core::RgbdFrame& frame);
   void ClearObstacles();
+  // As ZoneLayer's; right after the next Update.
+  void SetZones(std::shared_ptr<const zones::ZoneMap> zones);
   // Forgets what is too old; distances are right afterwards.
   void Update(base::MonotonicTime now);
 
@@ -94,16 +99,17 @@ class LocalCostmap {
   }
   // The ground there, if it continues the robot's.
   std::optional<core::LevelPlace> GroundAt(geometry::Vec2 point_in_map) const;
+  // What speed zones allow there; infinite where nothing does (m/s).
+  double MaxSpeed_mps(geometry::Vec2 point_in_map) const;
 
-  // As the functions of observed_obstacles.h, and GroundLayer's.
+  // As the functions of observed_obstacles.h, and GroundLayer's with the edges
+  // of what is kept out of.
   ObservedObstacle ObstacleNear(geometry::Vec2 point_in_map, double reach_m,
                                 base::MonotonicTime now) const;
   std::vector<RememberedObstacle> UnseenObstacles(
       geometry::Vec2 at, double radius_m, base::MonotonicTime now) const;
   std::vector<geometry::Vec2> MapObstacles(const core::LevelPose& pose,
-                                           double radius_m) const {
-    return ground_.MapObstacles(pose, radius_m);
-  }
+                                           double radius_m) const;
 
   // The newest scan's and the newest frame's points on obstacles, the map's
   // included, near the robot. Of a laser that is not there: none.
@@ -136,6 +142,7 @@ class LocalCostmap {
   // The robot's pose when the ground was spread; none: it has to be.
   std::optional<core::LevelPose> placed_at_;
   GroundLayer ground_;
+  ZoneLayer zones_;
   ObstacleLayer obstacles_;
   LaserObserver front_;
   std::optional<LaserObserver> rear_;

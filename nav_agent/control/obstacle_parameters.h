@@ -30,6 +30,15 @@ inline constexpr base::Parameter<std::array<double, 7>> kSeedHeights_m{
 inline constexpr base::Parameter<double> kGroundPerRange{
     "ground_per_range", 0.01, "m/m", base::ParameterOrigin::kTuned,
     "and by this share of the range: a tilt that is 0.6 degrees off"};
+// ---- zones ----
+inline constexpr base::Parameter<double> kZoneFootprintStep_m{
+    "zone_footprint_step", 0.05, "m", base::ParameterOrigin::kGeometry,
+    "points of the footprint that are looked at for what it is kept out of: "
+    "one in each cell"};
+inline constexpr base::Parameter<double> kZoneSlack_m{
+    "zone_slack", 0.1, "m", base::ParameterOrigin::kGeometry,
+    "so much further in than it stands a robot that is let out may come: two "
+    "cells, as it sways along its way out"};
 // ---- what is seen ----
 inline constexpr base::Parameter<int> kHitsToMark{
     "hits_to_mark", 3, "looks", base::ParameterOrigin::kTuned,

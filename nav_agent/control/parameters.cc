@@ -41,6 +41,8 @@ std::vector<base::ParameterRow> OfObstacles() {
       base::RowOf(kClimbVoxels),
       ListRow(kSeedHeights_m),
       base::RowOf(kGroundPerRange),
+      base::RowOf(kZoneFootprintStep_m),
+      base::RowOf(kZoneSlack_m),
       base::RowOf(kHitsToMark),
       base::RowOf(kMissWeight),
       base::RowOf(kNeighbourGap_m),

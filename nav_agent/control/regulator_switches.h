@@ -10,6 +10,7 @@ struct SpeedRegulatorSwitches {
   bool curvature = true;
   bool corner = true;
   bool slope = true;
+  bool zone = true;
   bool braking = true;
 };
 
@@ -22,6 +23,7 @@ struct VelocityRegulatorSwitches {
   bool escape = true;
   bool rounded_turn = true;
   bool wait = true;
+  bool speed_zone = true;
   bool sensors = true;
   bool acceleration = true;
   bool collision = true;

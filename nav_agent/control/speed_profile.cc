@@ -10,6 +10,7 @@
 #include "nav_agent/control/curvature_regulator.h"
 #include "nav_agent/control/slope_regulator.h"
 #include "nav_agent/control/speed_regulator.h"
+#include "nav_agent/control/zone_regulator.h"
 
 namespace treeline::control {
 namespace {
@@ -65,7 +66,8 @@ std::vector<double> SpeedProfile(std::span<const TrackPoint> track,
     const ProfilePoint point = {.clearance_m = track[i].clearance_m,
                                 .slope_rad = track[i].slope_rad,
                                 .turn_rad = turn_rad,
-                                .curvature_per_m = turn_rad / kDirection_m};
+                                .curvature_per_m = turn_rad / kDirection_m,
+                                .max_mps = track[i].max_mps};
     double speed_mps = std::min(options.max_forward_mps, robot.max_forward_mps);
     const auto pass = [&](bool is_at_work,
                           const SpeedRegulator auto& regulator) {
@@ -75,6 +77,7 @@ std::vector<double> SpeedProfile(std::span<const TrackPoint> track,
     pass(is_on.curvature, CurvatureOf(robot));
     pass(is_on.corner, CornerRegulator());
     pass(is_on.slope, SlopeRegulator{.max_slope_rad = robot.max_slope_rad});
+    pass(is_on.zone, ZoneRegulator());
     speeds[i] = speed_mps;
   }
   if (!is_on.braking) return speeds;

@@ -32,7 +32,8 @@ geometry::Vec2 PointAt(std::span<const TrackPoint> track,
 //   2. CurvatureRegulator  as fast as it can turn along the line
 //   3. CornerRegulator     at a creep to where it will turn on the spot
 //   4. SlopeRegulator      slower on slopes
-//   5. BrakingRegulator    from the last point, where it is at most end_mps,
+//   5. ZoneRegulator       no faster than speed zones allow
+//   6. BrakingRegulator    from the last point, where it is at most end_mps,
 //                          backwards: in time for each point ahead
 //
 // The profile is time-optimal backwards; forwards the base's own limits rule

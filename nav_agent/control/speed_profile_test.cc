@@ -11,6 +11,7 @@
 #include "nav_agent/control/corner_regulator.h"
 #include "nav_agent/control/curvature_regulator.h"
 #include "nav_agent/control/slope_regulator.h"
+#include "nav_agent/control/zone_regulator.h"
 
 namespace treeline::control {
 namespace {
@@ -62,6 +63,12 @@ TEST(SlopeRegulator, LosesHalfOnTheSteepestSlope) {
   EXPECT_EQ(regulator.Regulated(0.6, {.slope_rad = 0}), 0.6);
 }
 
+TEST(ZoneRegulator, IsTheLowestLimit) {
+  EXPECT_EQ(ZoneRegulator().Regulated(0.6, {.max_mps = 0.2}), 0.2);
+  EXPECT_EQ(ZoneRegulator().Regulated(0.1, {.max_mps = 0.2}), 0.1);
+  EXPECT_EQ(ZoneRegulator().Regulated(0.6, {}), 0.6);
+}
+
 TEST(BrakingRegulator, IsInTimeForTheNextPoint) {
   const BrakingRegulator regulator = {.deceleration_mps2 = 1};
   EXPECT_NEAR(regulator.Regulated(2, 0, 0.5), 1, 1e-9);
@@ -85,6 +92,13 @@ TEST(SpeedProfile, IsSlowBesideObstaclesInCurvesAndOnSlopes) {
   std::vector<TrackPoint> slope = StraightTrack(2, 1);
   for (TrackPoint& point : slope) point.slope_rad = 0.14;
   EXPECT_NEAR(SpeedProfile(slope, 0, kRobot, {}).front(), 0.6 * 0.75, 1e-3);
+  // It brakes before a zone, and is as slow as that within.
+  std::vector<TrackPoint> zone = StraightTrack(2, 1);
+  for (size_t i = 20; i < zone.size(); ++i) zone[i].max_mps = 0.2;
+  const auto slow = SpeedProfile(zone, 0.2, kRobot, {});
+  EXPECT_EQ(slow[0], 0.6);
+  EXPECT_LT(slow[18], 0.5);
+  EXPECT_EQ(slow[20], 0.2);
   const auto speeds = SpeedProfile(RightAngle(), 0, kRobot, {});
   EXPECT_LT(speeds[20], 0.1);
   EXPECT_EQ(speeds[0], 0.6);
@@ -101,6 +115,7 @@ TEST(SpeedProfile, WithoutItsRegulatorsItIsTheHighestSpeed) {
                       .curvature = false,
                       .corner = false,
                       .slope = false,
+                      .zone = false,
                       .braking = false};
   for (const double speed : SpeedProfile(track, 0, kRobot, options)) {
     EXPECT_EQ(speed, 0.6);

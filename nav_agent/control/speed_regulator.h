@@ -3,6 +3,7 @@
 #define NAV_AGENT_CONTROL_SPEED_REGULATOR_H_
 
 #include <concepts>
+#include <limits>
 
 namespace treeline::control {
 
@@ -16,6 +17,8 @@ struct ProfilePoint {
   // (rad), and that over the length it is measured over (1/m).
   double turn_rad = 0;
   double curvature_per_m = 0;
+  // What speed zones allow there (m/s).
+  double max_mps = std::numeric_limits<double>::infinity();
 };
 
 // Regulators are values: the speed (m/s) that the ones before allow at a point

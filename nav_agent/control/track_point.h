@@ -2,6 +2,8 @@
 #ifndef NAV_AGENT_CONTROL_TRACK_POINT_H_
 #define NAV_AGENT_CONTROL_TRACK_POINT_H_
 
+#include <limits>
+
 #include "common/geometry/rigid2.h"
 
 namespace treeline::control {
@@ -12,6 +14,8 @@ struct TrackPoint {
   // The free distance of the footprint there (m), and the ground's slope.
   double clearance_m = 1;
   double slope_rad = 0;
+  // What speed zones allow there (m/s).
+  double max_mps = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace treeline::control

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_CONTROL_VELOCITY_REGULATOR_H_
 #define NAV_AGENT_CONTROL_VELOCITY_REGULATOR_H_
 
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -33,6 +34,8 @@ struct RegulatorInput {
   LastCommands::Start start;
   // The pose is finite, and each laser has shown something lately.
   bool sees = false;
+  // What speed zones allow where the robot is (m/s).
+  double max_mps = std::numeric_limits<double>::infinity();
 
   // ---- of a drive along a path; a recovery's command has none of this ----
   std::span<const TrackPoint> track = {};

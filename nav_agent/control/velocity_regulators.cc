@@ -8,6 +8,7 @@
 #include "nav_agent/control/pursuit_regulator.h"
 #include "nav_agent/control/rounded_turn_regulator.h"
 #include "nav_agent/control/sensor_regulator.h"
+#include "nav_agent/control/speed_zone_regulator.h"
 #include "nav_agent/control/wait_regulator.h"
 
 namespace treeline::control {
@@ -30,6 +31,7 @@ VelocityRegulators::VelocityRegulators(
   add(steering_, is_on.rounded_turn,
       std::make_unique<RoundedTurnRegulator>(robot));
   add(stopping_, is_on.wait, std::make_unique<WaitRegulator>());
+  add(stopping_, is_on.speed_zone, std::make_unique<SpeedZoneRegulator>());
   add(stopping_, is_on.sensors, std::make_unique<SensorRegulator>());
   add(stopping_, is_on.acceleration,
       std::make_unique<AccelerationRegulator>(robot));

@@ -31,9 +31,10 @@ struct VelocityRegulatorsOptions {
 //     4. RoundedTurnRegulator   turns that sweep nothing back, among people
 //   stopping, of any command:
 //     5. WaitRegulator          who waits stands
-//     6. SensorRegulator        who does not see stops
-//     7. AccelerationRegulator  what the base can do next
-//     8. CollisionRegulator     not into what is seen or known
+//     6. SpeedZoneRegulator     as slow as the zone it is in
+//     7. SensorRegulator        who does not see stops
+//     8. AccelerationRegulator  what the base can do next
+//     9. CollisionRegulator     not into what is seen or known
 //
 // 1. and 2. give a velocity, the others change it. The last two stay last:
 // nothing comes between them and the base. Not thread-safe.

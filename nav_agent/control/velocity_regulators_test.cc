@@ -14,6 +14,7 @@
 #include "nav_agent/control/pursuit_regulator.h"
 #include "nav_agent/control/rounded_turn_regulator.h"
 #include "nav_agent/control/sensor_regulator.h"
+#include "nav_agent/control/speed_zone_regulator.h"
 #include "nav_agent/control/testing_floor.h"
 #include "nav_agent/control/wait_regulator.h"
 
@@ -70,9 +71,9 @@ const std::vector<GuardPoint> kPostAhead = {
     {.in_base = {0.33, 0}, .margin_m = 0.04}};
 
 TEST(VelocityRegulators, WorkInTheirStatedOrder) {
-  const std::vector<std::string> order = {"approach",     "pursuit",  "escape",
-                                          "rounded_turn", "wait",     "sensors",
-                                          "acceleration", "collision"};
+  const std::vector<std::string> order = {
+      "approach",   "pursuit", "escape",       "rounded_turn", "wait",
+      "speed_zone", "sensors", "acceleration", "collision"};
   EXPECT_EQ(VelocityRegulators(kRobot, {}).Names(), order);
 }
 
@@ -84,6 +85,7 @@ TEST(VelocityRegulators, EachCanBeSwitchedOff) {
       &VelocityRegulatorSwitches::escape,
       &VelocityRegulatorSwitches::rounded_turn,
       &VelocityRegulatorSwitches::wait,
+      &VelocityRegulatorSwitches::speed_zone,
       &VelocityRegulatorSwitches::sensors,
       &VelocityRegulatorSwitches::acceleration,
       &VelocityRegulatorSwitches::collision};
@@ -290,6 +292,25 @@ TEST(WaitRegulator, WhoWaitsStandsAndStillWants) {
   regulated.is_at_goal = true;
   WaitRegulator().Regulate(input, regulated);
   EXPECT_FALSE(regulated.waits);
+}
+
+TEST(SpeedZoneRegulator, SlowsAnyCommandDownAlongItsArc) {
+  const Stage stage;
+  RegulatorInput input = stage.Input();
+  RegulatedVelocity regulated = Of({.forward_mps = 0.6, .yaw_rate_radps = 0.3});
+  SpeedZoneRegulator().Regulate(input, regulated);
+  EXPECT_EQ(regulated.velocity.forward_mps, 0.6);
+  input.max_mps = 0.2;
+  SpeedZoneRegulator().Regulate(input, regulated);
+  EXPECT_NEAR(regulated.velocity.forward_mps, 0.2, 1e-12);
+  EXPECT_NEAR(regulated.velocity.yaw_rate_radps, 0.1, 1e-12);
+  regulated = Of({.forward_mps = -0.4, .yaw_rate_radps = 0});
+  SpeedZoneRegulator().Regulate(input, regulated);
+  EXPECT_NEAR(regulated.velocity.forward_mps, -0.2, 1e-12);
+  // It turns on the spot as it likes.
+  regulated = Of({.forward_mps = 0, .yaw_rate_radps = 1});
+  SpeedZoneRegulator().Regulate(input, regulated);
+  EXPECT_EQ(regulated.velocity.yaw_rate_radps, 1);
 }
 
 TEST(SensorRegulator, WhoDoesNotSeeStops) {

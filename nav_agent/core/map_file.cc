@@ -1,6 +1,7 @@
 #include "nav_agent/core/map_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <utility>
@@ -160,6 +161,41 @@ Occupancy OccupancyOf(uint16_t grey, const GreyPicture& picture,
   return Occupancy::kUnknown;
 }
 
+// As map_server's; 255: none.
+uint8_t ValueOf(uint16_t grey, const GreyPicture& picture,
+                const MapSettings& settings) {
+  constexpr uint8_t kNone = 255;
+  if (settings.mode == MapMode::kRaw) {
+    return grey <= 100 ? static_cast<uint8_t>(grey) : kNone;
+  }
+  const double brightness =
+      static_cast<double>(grey) / static_cast<double>(picture.max_value);
+  const double occupied = settings.negate ? brightness : 1 - brightness;
+  if (occupied >= settings.occupied_threshold) return 100;
+  if (occupied <= settings.free_threshold) return 0;
+  if (settings.mode == MapMode::kTrinary) return kNone;
+  return static_cast<uint8_t>(
+      std::lround(100 * (occupied - settings.free_threshold) /
+                  (settings.occupied_threshold - settings.free_threshold)));
+}
+
+// A map's file, before anything is made of its pixels.
+struct MapPicture {
+  MapSettings settings;
+  GreyPicture picture;
+};
+
+absl::StatusOr<MapPicture> ReadMapPicture(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode yaml, yaml::YamlNode::Read(path));
+  MapPicture map;
+  TL_ASSIGN_OR_RETURN(map.settings, ReadSettings(yaml));
+  const std::filesystem::path image =
+      std::filesystem::path(path).parent_path() / map.settings.image;
+  TL_ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(image.string()));
+  TL_ASSIGN_OR_RETURN(map.picture, ParsePgm(bytes, image.string()));
+  return map;
+}
+
 }  // namespace
 
 absl::StatusOr<GreyPicture> ParsePgm(absl::string_view bytes,
@@ -212,20 +248,33 @@ std::string FormatPgm(const GreyPicture& picture) {
 }
 
 absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const yaml::YamlNode yaml, yaml::YamlNode::Read(path));
-  TL_ASSIGN_OR_RETURN(const MapSettings settings, ReadSettings(yaml));
-  const std::filesystem::path image =
-      std::filesystem::path(path).parent_path() / settings.image;
-  TL_ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(image.string()));
-  TL_ASSIGN_OR_RETURN(const GreyPicture picture,
-                      ParsePgm(bytes, image.string()));
+  TL_ASSIGN_OR_RETURN(const MapPicture map, ReadMapPicture(path));
   OccupancyGrid grid = OccupancyGrid::Filled(
-      picture.width, picture.height, settings.resolution_m,
-      settings.map_from_grid, Occupancy::kUnknown);
+      map.picture.width, map.picture.height, map.settings.resolution_m,
+      map.settings.map_from_grid, Occupancy::kUnknown);
   size_t i = 0;
-  for (int y = picture.height - 1; y >= 0; --y) {
-    for (int x = 0; x < picture.width; ++x) {
-      grid.Set({x, y}, OccupancyOf(picture.values[i++], picture, settings));
+  for (int y = grid.height - 1; y >= 0; --y) {
+    for (int x = 0; x < grid.width; ++x) {
+      grid.Set({x, y},
+               OccupancyOf(map.picture.values[i++], map.picture, map.settings));
+    }
+  }
+  return grid;
+}
+
+absl::StatusOr<ValueGrid> ReadMapValues(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const MapPicture map, ReadMapPicture(path));
+  ValueGrid grid = {.width = map.picture.width,
+                    .height = map.picture.height,
+                    .resolution_m = map.settings.resolution_m,
+                    .map_from_grid = map.settings.map_from_grid,
+                    .values = {}};
+  grid.values.reserve(map.picture.values.size());
+  const auto width = static_cast<size_t>(grid.width);
+  for (size_t row = static_cast<size_t>(grid.height); row-- > 0;) {
+    for (size_t x = 0; x < width; ++x) {
+      grid.values.push_back(ValueOf(map.picture.values[row * width + x],
+                                    map.picture, map.settings));
     }
   }
   return grid;

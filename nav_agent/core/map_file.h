@@ -2,7 +2,10 @@
 #ifndef NAV_AGENT_CORE_MAP_FILE_H_
 #define NAV_AGENT_CORE_MAP_FILE_H_
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -33,6 +36,33 @@ std::string FormatPgm(const GreyPicture& picture);
 // or raw; map_server's documentation). In mode scale what is neither occupied
 // nor free is unknown too. Errors name file and line.
 absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path);
+
+// What map_server makes of each pixel: the occupancy, 0 to 100, or nothing.
+// Rows from the bottom, as OccupancyGrid has them.
+struct ValueGrid {
+  int width = 0;
+  int height = 0;
+  double resolution_m = 0.05;
+  // The grid's frame in the map.
+  geometry::Rigid2 map_from_grid;
+  // 255: none.
+  std::vector<uint8_t> values;
+
+  bool Contains(CellIndex cell) const {
+    return cell.x >= 0 && cell.x < width && cell.y >= 0 && cell.y < height;
+  }
+  std::optional<int> At(CellIndex cell) const {
+    const uint8_t value =
+        values[static_cast<size_t>(cell.y) * static_cast<size_t>(width) +
+               static_cast<size_t>(cell.x)];
+    return value > 100 ? std::nullopt : std::optional<int>(value);
+  }
+};
+
+// The same file as values, for masks: in mode trinary 100 is occupied, 0 free;
+// in mode scale what is between the thresholds is in proportion; in mode raw
+// the pixel is the value (map_server's documentation).
+absl::StatusOr<ValueGrid> ReadMapValues(const std::string& path);
 
 // Writes the map as PATH and, beside it, as a picture of the same name that
 // ends in .pgm: free is 254, occupied 0, unknown 205. Each file is replaced

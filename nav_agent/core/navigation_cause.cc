@@ -11,7 +11,7 @@ struct CauseText {
   const char* advice;
 };
 
-constexpr std::array<CauseText, 21> kTexts = {{
+constexpr std::array<CauseText, 22> kTexts = {{
     {"none", "Nothing is wrong."},
     {"start_blocked",
      "No free ground is near the robot: move it by hand into the open, or map "
@@ -43,6 +43,9 @@ constexpr std::array<CauseText, 21> kTexts = {{
     {"internal", "This is a defect: send the log to the developers."},
     {"stopped",
      "Somebody stopped the robot: release it when nothing is in danger."},
+    {"zone",
+     "Zones forbid it: choose another goal, or change the keep-out and one-way "
+     "zones."},
 }};
 
 const CauseText& TextOf(NavigationCause cause) {

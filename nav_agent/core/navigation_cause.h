@@ -32,7 +32,9 @@ enum class NavigationCause : uint8_t {
   kNeedHelp = 18,      // lost, and neither server nor search found it
   kInternal = 19,      // a defect of this program
   // ---- of operators ----
-  kStopped = 20  // stopped until somebody releases it
+  kStopped = 20,  // stopped until somebody releases it
+  // ---- of zones ----
+  kZone = 21  // keep-out or one-way zones forbid it
 };
 
 // "goal_blocked" and so on.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -39,7 +40,7 @@ class MaplessNavigator final : public behavior::Navigator {
         deadline_(options.control_hz, limits_, events_),
         safe_stop_(limits_, events_),
         stop_(events_),
-        manual_(events_),
+        manual_(events_, options.manual_lease_s),
         drive_(robot, options, events_) {
     MarkKnown();
   }
@@ -53,6 +54,7 @@ class MaplessNavigator final : public behavior::Navigator {
   void Stop(const std::string& why) override;
   void Release() override;
   absl::Status Drive(const core::VelocityCommand& wanted) override;
+  absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -257,13 +259,19 @@ absl::Status MaplessNavigator::Drive(const core::VelocityCommand& wanted) {
   now_ = clock_.Now();
   events_.SetTime(now_);
   TL_RETURN_IF_ERROR(stop_.Refuse("driving by hand"));
-  if (safe_stop_.is_active()) {
-    return absl::FailedPreconditionError("driving by hand is refused: " +
-                                         safe_stop_.reason().text);
-  }
+  TL_RETURN_IF_ERROR(safe_stop_.Refuse("driving by hand"));
   TL_RETURN_IF_ERROR(manual_.Drive(wanted, now_));
   if (drive_.is_active()) is_paused_ = true;
   return absl::OkStatus();
+}
+
+absl::Status MaplessNavigator::SetZones(
+    std::shared_ptr<const zones::ZoneMap> zones) {
+  if (zones == nullptr || zones->empty()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      "zones are refused: a robot that drives by sight counts its wheels' "
+      "turns "
+      "alone, and would be out of a zone when it takes itself to be in it");
 }
 
 absl::Status MaplessNavigator::SetPose(
@@ -342,6 +350,7 @@ absl::Status MaplessOptions::Validate() const {
   TL_RETURN_IF_ERROR(check("laser_timeout_s", laser_timeout_s, 0.05, 5));
   TL_RETURN_IF_ERROR(check("odometry_timeout_s", odometry_timeout_s, 0.05, 5));
   TL_RETURN_IF_ERROR(check("max_range_m", max_range_m, 1, 100));
+  TL_RETURN_IF_ERROR(check("manual_lease_s", manual_lease_s, 1e-3, 1000));
   return check("patience_s", patience_s, 1, 600);
 }
 

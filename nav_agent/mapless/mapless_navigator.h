@@ -31,6 +31,8 @@ struct MaplessOptions {
   double max_range_m = 10;
   // A goal without progress for so long fails (s, [1, 600]).
   double patience_s = 30;
+  // As NavigatorOptions (s, [0.001, 1000]).
+  double manual_lease_s = behavior::kManualLease_s;
   // What is known already, in the map's frame; occupied cells are obstacles
   // until they are seen free.
   std::vector<core::OccupancyGrid> known = {};

@@ -141,6 +141,27 @@ bool ConfigurationSpace::CanTurn(const Spot& spot, double from_yaw_rad,
   return true;
 }
 
+bool ConfigurationSpace::MayHead(const Spot& from, geometry::Vec2 to,
+                                 geometry::Vec2 heading) const {
+  const geometry::Vec2 way = to - from.at;
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(geometry::Norm(way) /
+                                             (0.5 * ground_->resolution_m()))));
+  int level = from.level;
+  core::CellIndex cell = ground_->CellOf(from.at);
+  for (int i = 0; i <= steps; ++i) {
+    const core::CellIndex next =
+        ground_->CellOf(from.at + (static_cast<double>(i) / steps) * way);
+    if (next == cell && i > 0) continue;
+    level = ground_->LevelAfter(level, cell, next);
+    if (level < 0 || ground_->ForbidsHeading(level, next, heading)) {
+      return false;
+    }
+    cell = next;
+  }
+  return true;
+}
+
 std::optional<Spot> ConfigurationSpace::Drive(const Spot& from,
                                               geometry::Vec2 to,
                                               bool looks_back) const {
@@ -158,6 +179,11 @@ std::optional<Spot> ConfigurationSpace::Drive(const Spot& from,
   core::CellIndex cell = ground_->CellOf(from.at);
   if (!ground_->Contains(cell) || !ground_->map().IsFree(from.level, cell)) {
     return std::nullopt;
+  }
+  if (ground_->has_one_way()) {
+    const double sign = looks_back ? -1 : 1;
+    const geometry::Vec2 heading = (sign / length_m) * way;
+    if (!MayHead(from, to, heading)) return std::nullopt;
   }
   if (ground_->IsOfOneLevel(from.level, box)) {
     if (!BoxIsFree(from.level, box)) return std::nullopt;

@@ -57,8 +57,8 @@ class ConfigurationSpace {
   bool CanTurn(const Spot& spot, double from_yaw_rad, double to_yaw_rad) const;
   // The straight line from `from`; the robot looks along it, or
   // (`looks_back`) the other way. The end with its level; nullopt if something
-  // is in the way or the ground ends. A line of no length: `from`, whatever is
-  // there.
+  // is in the way, the ground ends, or a one-way zone forbids to look so there.
+  // A line of no length: `from`, whatever is there.
   std::optional<Spot> Drive(const Spot& from, geometry::Vec2 to,
                             bool looks_back = false) const;
   // The same of a point without a footprint: which level the line ends on.
@@ -71,6 +71,8 @@ class ConfigurationSpace {
 
  private:
   bool BoxIsFree(int level, const OrientedBox& box) const;
+  bool MayHead(const Spot& from, geometry::Vec2 to,
+               geometry::Vec2 heading) const;
   OrientedBox BoxAt(geometry::Vec2 at, double yaw_rad) const;
 
   std::shared_ptr<const GroundIndex> ground_;

@@ -7,6 +7,7 @@
 #include "nav_agent/planning/ompl_planner.h"
 #include "nav_agent/planning/plan_frame.h"
 #include "nav_agent/planning/variable_rrt_planner.h"
+#include "nav_agent/planning/zone_planner.h"
 
 namespace treeline::planning {
 namespace {
@@ -29,13 +30,9 @@ absl::Status GlobalPlannerOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
-    std::shared_ptr<const traversability::NavigationMap> map,
-    const core::RobotModel& robot, const GlobalPlannerOptions& options) {
-  TL_RETURN_IF_ERROR(options.Validate());
-  TL_RETURN_IF_ERROR(robot.Validate());
-  auto ground = std::make_shared<const PlanGround>(std::move(map), robot,
-                                                   options.margin_m);
+absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakePlannerOn(
+    std::shared_ptr<const PlanGround> ground, const core::RobotModel& robot,
+    const GlobalPlannerOptions& options) {
   if (options.planner == "variable-rrt") {
     auto tight = std::make_shared<const PlanGround>(ground->index, robot, 0.0);
     return std::make_unique<VariableRrtPlanner>(
@@ -47,6 +44,19 @@ absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
   }
   return absl::InvalidArgumentError(absl::StrCat(
       "there is no planner '", options.planner, "'; there are: ", kPlanners));
+}
+
+absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const GlobalPlannerOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_RETURN_IF_ERROR(robot.Validate());
+  auto ground =
+      std::make_shared<const PlanGround>(map, robot, options.margin_m);
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<GlobalPlanner> without,
+                      MakePlannerOn(std::move(ground), robot, options));
+  return std::make_unique<ZonePlanner>(std::move(map), robot, options,
+                                       std::move(without));
 }
 
 }  // namespace treeline::planning

@@ -16,6 +16,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/planning/planner_parameters.h"
 #include "nav_agent/traversability/navigation_map.h"
+#include "nav_agent/zones/zone_map.h"
 
 namespace treeline::planning {
 
@@ -32,6 +33,8 @@ struct PlanRequest {
   core::LevelPose goal;
   std::vector<Blockage> blockages = {};
   uint64_t seed = 0;
+  // Of the planner's map; null: none.
+  std::shared_ptr<const zones::ZoneMap> zones = nullptr;
 };
 
 struct PlanBudget {
@@ -82,8 +85,8 @@ struct GlobalPlannerOptions {
   absl::Status Validate() const;
 };
 
-// Immutable and thread-safe. Plan is a pure function of the request, and of
-// time where the budget is of time.
+// Thread-safe. Plan is a pure function of the request, and of time where the
+// budget is of time. All planners respect zones (ZonePlanner).
 class GlobalPlanner {
  public:
   virtual ~GlobalPlanner() = default;

@@ -59,8 +59,11 @@ double SideAt(const Corner& lowest, const Corner& turn, const Corner& highest,
 }  // namespace
 
 GroundIndex::GroundIndex(
-    std::shared_ptr<const traversability::NavigationMap> map)
+    std::shared_ptr<const traversability::NavigationMap> map,
+    std::shared_ptr<const zones::ZoneMap> zones)
     : map_(std::move(map)),
+      zones_(std::move(zones)),
+      has_one_way_(zones_ != nullptr && zones_->has_one_way()),
       width_(map_->grid(0).width),
       height_(map_->grid(0).height),
       resolution_m_(map_->resolution_m()) {

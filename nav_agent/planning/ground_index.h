@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "nav_agent/traversability/navigation_map.h"
+#include "nav_agent/zones/zone_map.h"
 
 namespace treeline::planning {
 
@@ -34,10 +35,18 @@ struct OrientedBox {
 // NavigationMap's clearance there is 0, or it lies outside.
 class GroundIndex {
  public:
-  explicit GroundIndex(
-      std::shared_ptr<const traversability::NavigationMap> map);
+  // zones: which way must not be driven; what is kept out of is blocked in
+  // the map itself (NavigationMap of PlanGround). Null: any way may.
+  explicit GroundIndex(std::shared_ptr<const traversability::NavigationMap> map,
+                       std::shared_ptr<const zones::ZoneMap> zones = nullptr);
 
   const traversability::NavigationMap& map() const { return *map_; }
+  bool has_one_way() const { return has_one_way_; }
+  // As ZoneMap's; the heading in the grids' frame.
+  bool ForbidsHeading(int level, core::CellIndex cell,
+                      geometry::Vec2 heading) const {
+    return has_one_way_ && zones_->ForbidsHeading(level, cell, heading);
+  }
   int levels() const { return map_->levels(); }
   int width() const { return width_; }
   int height() const { return height_; }
@@ -101,6 +110,8 @@ class GroundIndex {
                     double to_x) const;
 
   std::shared_ptr<const traversability::NavigationMap> map_;
+  std::shared_ptr<const zones::ZoneMap> zones_;
+  bool has_one_way_;
   int width_;
   int height_;
   double resolution_m_;

@@ -367,7 +367,7 @@ class Lattice {
 
   bool CanDrive(size_t place, int heading, size_t to) {
     // All that a step sweeps is that near.
-    if (LevelOf(place) == LevelOf(to) &&
+    if (!ground_->has_one_way() && LevelOf(place) == LevelOf(to) &&
         RoomAt_m(place) >= space_->footprint().circumradius_m +
                                step_m_[static_cast<size_t>(heading)]) {
       return true;

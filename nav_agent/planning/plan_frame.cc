@@ -30,14 +30,6 @@ absl::Status CheckPose(const core::LevelPose& pose, const char* name) {
       pose.map_from_base.yaw_rad));
 }
 
-Stand StandOf(const GroundIndex& ground, const core::LevelPose& pose) {
-  const geometry::Rigid2 grid_from_map =
-      ground.map().grid(0).map_from_grid.Inverse();
-  const geometry::Rigid2 grid_from_base = grid_from_map * pose.map_from_base;
-  return {.spot = {grid_from_base.translation, pose.place.level},
-          .yaw_rad = grid_from_base.yaw_rad};
-}
-
 std::string Text(const core::LevelPose& pose) {
   return absl::StrFormat("(%.2f, %.2f, %.2f rad) on level %d",
                          pose.map_from_base.translation.x,
@@ -103,10 +95,20 @@ std::nullopt_t Fail(PlanResult& result, core::NavigationCause cause,
 
 }  // namespace
 
+Stand StandOf(const GroundIndex& ground, const core::LevelPose& pose) {
+  const geometry::Rigid2 grid_from_map =
+      ground.map().grid(0).map_from_grid.Inverse();
+  const geometry::Rigid2 grid_from_base = grid_from_map * pose.map_from_base;
+  return {.spot = {grid_from_base.translation, pose.place.level},
+          .yaw_rad = grid_from_base.yaw_rad};
+}
+
 PlanGround::PlanGround(std::shared_ptr<const traversability::NavigationMap> map,
-                       const core::RobotModel& robot, double margin_m)
-    : PlanGround(std::make_shared<const GroundIndex>(std::move(map)), robot,
-                 margin_m) {}
+                       const core::RobotModel& robot, double margin_m,
+                       std::shared_ptr<const zones::ZoneMap> zones)
+    : PlanGround(
+          std::make_shared<const GroundIndex>(std::move(map), std::move(zones)),
+          robot, margin_m) {}
 
 PlanGround::PlanGround(std::shared_ptr<const GroundIndex> index_of,
                        const core::RobotModel& robot, double margin_m)

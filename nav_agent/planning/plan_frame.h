@@ -16,8 +16,10 @@ namespace treeline::planning {
 
 // What all planners share of a map and a robot.
 struct PlanGround {
+  // zones: as GroundIndex has them.
   PlanGround(std::shared_ptr<const traversability::NavigationMap> map,
-             const core::RobotModel& robot, double margin_m);
+             const core::RobotModel& robot, double margin_m,
+             std::shared_ptr<const zones::ZoneMap> zones = nullptr);
   PlanGround(std::shared_ptr<const GroundIndex> index_of,
              const core::RobotModel& robot, double margin_m);
 
@@ -45,6 +47,9 @@ absl::Status CheckRequest(const PlanRequest& request);
 std::optional<PlanTask> MakeTask(const PlanGround& ground,
                                  const PlanRequest& request, double max_move_m,
                                  PlanResult& result);
+
+// A pose of the map in the grids' frame.
+Stand StandOf(const GroundIndex& ground, const core::LevelPose& pose);
 
 // Writes the way into the result: poses at most 0.1 m from one another.
 void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result);

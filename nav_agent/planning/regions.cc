@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "nav_agent/planning/planner_parameters.h"
 
@@ -28,6 +29,17 @@ uint32_t NumberOf(const GroundIndex& ground, int level, core::CellIndex cell) {
 Spot SpotOfNumber(const GroundIndex& ground, uint32_t number) {
   return {.at = ground.CenterOf(CellOfNumber(ground, number)),
           .level = static_cast<int>(number / ground.cells())};
+}
+
+// Whether a one-way zone forbids a step from a cell to one beside it.
+bool IsAgainst(const GroundIndex& ground, const Spot& from, const Spot& to) {
+  if (!ground.has_one_way()) return false;
+  const geometry::Vec2 way = to.at - from.at;
+  const double length_m = geometry::Norm(way);
+  if (!(length_m > 0)) return false;
+  const geometry::Vec2 heading = (1 / length_m) * way;
+  return ground.ForbidsHeading(from.level, ground.CellOf(from.at), heading) ||
+         ground.ForbidsHeading(to.level, ground.CellOf(to.at), heading);
 }
 
 }  // namespace
@@ -213,11 +225,13 @@ void Regions::AddEdge(const ConfigurationSpace& space, uint32_t from_cell,
                      .from_cell = from_cell,
                      .to_cell = to_cell,
                      .cost_m = static_cast<float>(price * length_m),
-                     .length_m = static_cast<float>(length_m)};
+                     .length_m = static_cast<float>(length_m),
+                     .is_against = IsAgainst(space.ground(), leaves, enters)};
   const auto known = std::ranges::find(edges_[from], to, &Edge::to);
   if (known == edges_[from].end()) {
     edges_[from].push_back(edge);
-  } else if (edge.cost_m < known->cost_m) {
+  } else if (std::pair{edge.is_against, edge.cost_m} <
+             std::pair{known->is_against, known->cost_m}) {
     *known = edge;
   }
 }
@@ -245,7 +259,8 @@ void Regions::JoinBack(uint32_t region) {
                     .from_cell = edge.to_cell,
                     .to_cell = edge.from_cell,
                     .cost_m = edge.cost_m,
-                    .length_m = edge.length_m});
+                    .length_m = edge.length_m,
+                    .is_against = edge.is_against});
   }
 }
 

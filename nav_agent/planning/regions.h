@@ -16,7 +16,8 @@ namespace treeline::planning {
 // footprint's inscribed disc may stand in, and that are connected within the
 // block, are a region; regions whose cells touch are joined by an edge.
 // Connected regions, over levels, are an area. There is no way from one area to
-// another; within one there need not be, since a footprint has corners.
+// another; within one there need not be, since a footprint has corners and
+// zones may be one-way.
 // Immutable and thread-safe.
 class Regions {
  public:
@@ -42,6 +43,9 @@ class Regions {
     // its heading: there the disc gets through, and the robot hardly.
     float cost_m = 0;
     float length_m = 0;
+    // Only against one-way zones; the cells and costs are as if there were
+    // none.
+    bool is_against = false;
   };
 
   // Linear in the cells.

@@ -115,8 +115,10 @@ class WithinRegion {
 
 }  // namespace
 
-Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
-                const std::vector<float>& weights) {
+namespace {
+
+Route RouteOver(const Regions& regions, uint32_t start, uint32_t goal,
+                const std::vector<float>& weights, bool may_be_against) {
   std::vector<float> cost_m(regions.count(), kFar);
   std::vector<uint32_t> parent(regions.count(), kNone);
   std::vector<uint8_t> edge_of(regions.count());
@@ -135,6 +137,7 @@ Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
     if (next.estimate_m > own_m + estimate_m(next.number)) continue;
     const std::span<const Regions::Edge> edges = regions.EdgesOf(next.number);
     for (size_t i = 0; i < edges.size(); ++i) {
+      if (edges[i].is_against && !may_be_against) continue;
       const uint32_t to = edges[i].to;
       const float weight =
           weights.empty() ? 1 : (weights[next.number] + weights[to]) / 2;
@@ -155,6 +158,16 @@ Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
   }
   std::ranges::reverse(route.edges);
   return route;
+}
+
+}  // namespace
+
+Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
+                const std::vector<float>& weights) {
+  Route route = RouteOver(regions, start, goal, weights, false);
+  // Regions are coarse: the footprint may find a way where they see none.
+  return route.is_found ? route
+                        : RouteOver(regions, start, goal, weights, true);
 }
 
 RouteField::RouteField(const Regions& regions, uint32_t root, float reach_m)

@@ -18,8 +18,9 @@ struct Route {
   std::vector<Regions::Edge> edges;
 };
 
-// The cheapest route (A*). `weights` has one number, at least 1, for each
-// region that its edges' costs are multiplied by; empty: 1.
+// The cheapest route (A*), with one-way zones where there is such a route.
+// `weights` has one number, at least 1, for each region that its edges' costs
+// are multiplied by; empty: 1.
 Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
                 const std::vector<float>& weights);
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
 #include "nav_agent/behavior/parameters.h"
@@ -198,15 +197,34 @@ void AgentCommands::StopAsKept(behavior::Navigator& navigator) {
 absl::Status AgentCommands::Drive(const core::VelocityCommand& wanted,
                                   const std::string& driver,
                                   uint64_t sequence) {
-  const absl::Time came = absl::Now();
+  const base::MonotonicTime came = real_clock_.Now();
   TL_RETURN_IF_ERROR(seat_.Take(driver, sequence, came));
   return hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
-    if (absl::Now() - came > absl::Seconds(behavior::kManualLease_s.value)) {
+    if (base::SecondsBetween(came, real_clock_.Now()) >
+        behavior::kManualLease_s) {
       return absl::DeadlineExceededError(
           "the control loop took the command when it was stale");
     }
     return navigator.Drive(wanted);
   });
+}
+
+absl::Status AgentCommands::ApplyZones(
+    const std::shared_ptr<const zones::ZoneMap>& zones) {
+  return hub_.Do([zones](behavior::Navigator& navigator) {
+    return navigator.SetZones(zones);
+  });
+}
+
+absl::StatusOr<ZoneBookContents> AgentCommands::PutZones(
+    const std::vector<zones::Zone>& zones) {
+  return zones_.Put(zones, [this](const auto& map) { return ApplyZones(map); });
+}
+
+absl::StatusOr<ZoneBookContents> AgentCommands::RemoveZones(
+    const std::vector<std::string>& names) {
+  return zones_.Remove(names,
+                       [this](const auto& map) { return ApplyZones(map); });
 }
 
 absl::Status AgentCommands::SetPoseNow(behavior::Navigator& navigator,

@@ -12,11 +12,13 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "common/base/clock.h"
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/agent_info.h"
 #include "nav_agent/service/driver_seat.h"
 #include "nav_agent/service/simulation_control.h"
 #include "nav_agent/service/stop_file.h"
+#include "nav_agent/service/zone_book.h"
 
 namespace treeline::agent_service {
 
@@ -42,14 +44,17 @@ struct StopKeeping {
 // navigator or the simulation says.
 class AgentCommands {
  public:
-  // simulation: null for a real robot. stops: null if no restart is to find
-  // them. All must outlive it.
+  // simulation: null for a real robot. stops, zones: null if no restart is to
+  // find them. All must outlive it.
   AgentCommands(AgentHub& hub, const AgentInfo& info,
-                SimulationControl* simulation, StopFile* stops = nullptr)
+                SimulationControl* simulation, StopFile* stops = nullptr,
+                ZoneBook* zones = nullptr)
       : hub_(hub),
         info_(info),
         simulation_(simulation),
-        stops_(stops == nullptr ? forgotten_ : *stops) {}
+        stops_(stops == nullptr ? forgotten_ : *stops),
+        unkept_zones_(info.map),
+        zones_(zones == nullptr ? unkept_zones_ : *zones) {}
 
   // Any thread. INVALID_ARGUMENT: none or too many, not finite, absurdly far,
   // or no such level, and which there are.
@@ -68,6 +73,12 @@ class AgentCommands {
   // before it was stale.
   absl::Status Drive(const core::VelocityCommand& wanted,
                      const std::string& driver, uint64_t sequence);
+  // As ZoneBook's.
+  absl::StatusOr<ZoneBookContents> PutZones(
+      const std::vector<zones::Zone>& zones);
+  absl::StatusOr<ZoneBookContents> RemoveZones(
+      const std::vector<std::string>& names);
+  const ZoneBook& zones() const { return zones_; }
   // Standard deviations (m, rad), in (0, 100]; INVALID_ARGUMENT otherwise.
   absl::Status SetPose(const RequestedPose& pose, double std_m, double std_rad);
   absl::Status FindYourself();
@@ -107,12 +118,16 @@ class AgentCommands {
       const std::function<absl::StatusOr<geometry::Rigid3>(SimulationControl&)>&
           kidnap);
   absl::Status CheckSimulated() const;
+  absl::Status ApplyZones(const std::shared_ptr<const zones::ZoneMap>& zones);
 
   AgentHub& hub_;
   const AgentInfo& info_;
   SimulationControl* const simulation_;
   StopFile forgotten_;
   StopFile& stops_;
+  ZoneBook unkept_zones_;
+  ZoneBook& zones_;
+  const base::SteadyClock real_clock_;
   // Stops so far: one during a release ends it.
   std::atomic<int64_t> stopped_ = 0;
   DriverSeat seat_;

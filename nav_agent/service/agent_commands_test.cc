@@ -50,6 +50,32 @@ TEST(AgentCommands, RefusesGoalsThatAreNone) {
   }
 }
 
+TEST(AgentCommands, ZonesReachTheRobotOrNothingChanges) {
+  SteppingAgent agent;
+  zones::Zone zone = {
+      .name = "stairs",
+      .kind = zones::ZoneKind::kKeepOut,
+      .level = 0,
+      .corners_in_map = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}}};
+  const auto put = agent.commands.PutZones({zone});
+  ASSERT_TRUE(put.ok()) << put.status();
+  EXPECT_EQ(agent.commands.zones().revision(), 2U);
+  // Without a state folder.
+  EXPECT_THAT(agent.commands.zones().keeping().message(),
+              HasSubstr("--state-dir"));
+  zone.corners_in_map[1].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(
+      absl::IsInvalidArgument(agent.commands.PutZones({zone}).status()));
+  EXPECT_TRUE(absl::IsNotFound(agent.commands.RemoveZones({"x"}).status()));
+  EXPECT_EQ(agent.commands.zones().revision(), 2U);
+  agent.Close();
+  EXPECT_EQ(agent.navigator.zones, put->map);
+  // Nobody steps any more.
+  EXPECT_TRUE(
+      absl::IsUnavailable(agent.commands.RemoveZones({"stairs"}).status()));
+  EXPECT_EQ(agent.commands.zones().contents().zones.size(), 1U);
+}
+
 TEST(AgentCommands, APoseComesWithItsDoubt) {
   SteppingAgent agent;
   ASSERT_TRUE(agent.commands.SetPose({.x_m = 1}, 0.5, 0.1).ok());

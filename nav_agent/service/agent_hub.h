@@ -51,6 +51,8 @@ struct AgentState {
   std::optional<geometry::Rigid3> true_map_from_base = std::nullopt;
   std::vector<ObstacleReport> obstacles = {};
   int64_t missed_deadlines = 0;
+  // ZoneBook's.
+  uint64_t zones_revision = 0;
 };
 
 struct AgentHubOptions {

@@ -66,6 +66,12 @@ void AddNavigationCalls(NavigationCalls& calls,
                                router);
   AddUnary<v1::GetMapsRequest>(kService, "GetMaps", calls, &Calls::GetMaps,
                                router);
+  AddUnary<v1::GetZonesRequest>(kService, "GetZones", calls, &Calls::GetZones,
+                                router);
+  AddUnary<v1::PutZonesRequest>(kService, "PutZones", calls, &Calls::PutZones,
+                                router);
+  AddUnary<v1::RemoveZonesRequest>(kService, "RemoveZones", calls,
+                                   &Calls::RemoveZones, router);
   AddUnary<v1::SetInitialPoseRequest>(kService, "SetInitialPose", calls,
                                       &Calls::SetInitialPose, router);
   AddUnary<v1::FindYourselfRequest>(kService, "FindYourself", calls,

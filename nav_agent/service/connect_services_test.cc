@@ -240,6 +240,39 @@ TEST_F(ConnectServicesTest, UnaryCallsReachRobotAndSimulation) {
                           "fault laser silent 3 1"));
 }
 
+TEST_F(ConnectServicesTest, ZonesArePutListedAndRemoved) {
+  Start();
+  const std::string navigation = kNavigation;
+  const auto put = [&](const std::string& zone) {
+    return Json(navigation + "PutZones", "{\"zones\":[" + zone + "]}");
+  };
+  const std::string corners =
+      R"("corners":[{"xM":0,"yM":0},{"xM":1,"yM":0},{"xM":1,"yM":1}])";
+  auto answer = put(R"({"name":"slow","kind":"ZONE_KIND_SPEED","maxMps":0.2,)" +
+                    corners + "}");
+  ASSERT_EQ(answer->status, 200) << answer->body;
+  EXPECT_THAT(answer->body, HasSubstr("\"revision\":\"2\""));
+  answer = Json(navigation + "GetZones", "{}");
+  EXPECT_THAT(answer->body, HasSubstr("\"name\":\"slow\""));
+  EXPECT_THAT(answer->body, HasSubstr("\"maxMps\":0.2"));
+  // A kind that there is not, and a corner that is none.
+  answer = put(R"({"name":"x",)" + corners + "}");
+  EXPECT_EQ(answer->status, 400);
+  EXPECT_THAT(answer->body, HasSubstr("kind"));
+  answer = put(
+      R"({"name":"x","kind":"ZONE_KIND_KEEP_OUT","corners":[{"xM":"NaN"},{},{}]})");
+  EXPECT_EQ(answer->status, 400);
+  EXPECT_THAT(answer->body, HasSubstr("corner 1"));
+  EXPECT_EQ(Json(navigation + "PutZones", "{}")->status, 400);
+  EXPECT_EQ(
+      Json(navigation + "RemoveZones", R"({"names":["slow","x"]})")->status,
+      404);
+  EXPECT_EQ(Json(navigation + "RemoveZones", R"({"names":["slow"]})")->status,
+            200);
+  EXPECT_THAT(Json(navigation + "GetZones", "{}")->body,
+              testing::Not(HasSubstr("slow")));
+}
+
 TEST_F(ConnectServicesTest, BinaryCallsAreAnsweredInBinary) {
   Start();
   const auto answer = Client().Post(std::string(kNavigation) + "GetInfo",

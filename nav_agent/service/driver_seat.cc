@@ -6,7 +6,7 @@
 namespace treeline::agent_service {
 
 absl::Status DriverSeat::Take(const std::string& driver, uint64_t sequence,
-                              absl::Time now) {
+                              base::MonotonicTime now) {
   if (driver.empty() || driver.size() > kMaxDriverBytes) {
     return absl::InvalidArgumentError(absl::StrCat("driver has ", driver.size(),
                                                    " bytes; it needs 1 to ",
@@ -17,8 +17,8 @@ absl::Status DriverSeat::Take(const std::string& driver, uint64_t sequence,
     return absl::AbortedError(
         absl::StrCat("sequence ", sequence, " comes after ", sequence_));
   }
-  if (driver != driver_ &&
-      now - last_ < absl::Seconds(behavior::kManualLease_s.value)) {
+  if (driver != driver_ && last_.has_value() &&
+      base::SecondsBetween(*last_, now) < behavior::kManualLease_s) {
     return absl::UnavailableError("somebody else drives by hand");
   }
   driver_ = driver;

@@ -1,5 +1,7 @@
 #include "nav_agent/service/driver_seat.h"
 
+#include <chrono>
+
 #include "gtest/gtest.h"
 
 namespace treeline::agent_service {
@@ -11,7 +13,7 @@ class DriverSeatTest : public ::testing::Test {
                         int64_t at_ms) {
     return seat_
         .Take(driver, sequence,
-              absl::UnixEpoch() + absl::Milliseconds(1000 + at_ms))
+              base::MonotonicTime() + std::chrono::milliseconds(1000 + at_ms))
         .code();
   }
 

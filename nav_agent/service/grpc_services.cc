@@ -94,6 +94,24 @@ grpc::Status NavigationGrpcService::GetMaps(grpc::ServerContext* /*context*/,
   return Answer(calls_.GetMaps(*request), *response);
 }
 
+grpc::Status NavigationGrpcService::GetZones(grpc::ServerContext* /*context*/,
+                                             const v1::GetZonesRequest* request,
+                                             v1::GetZonesResponse* response) {
+  return Answer(calls_.GetZones(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::PutZones(grpc::ServerContext* /*context*/,
+                                             const v1::PutZonesRequest* request,
+                                             v1::PutZonesResponse* response) {
+  return Answer(calls_.PutZones(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::RemoveZones(
+    grpc::ServerContext* /*context*/, const v1::RemoveZonesRequest* request,
+    v1::RemoveZonesResponse* response) {
+  return Answer(calls_.RemoveZones(*request), *response);
+}
+
 grpc::Status NavigationGrpcService::SetInitialPose(
     grpc::ServerContext* /*context*/, const v1::SetInitialPoseRequest* request,
     v1::SetInitialPoseResponse* response) {

@@ -45,6 +45,15 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
   grpc::Status GetMaps(grpc::ServerContext* context,
                        const v1::GetMapsRequest* request,
                        v1::GetMapsResponse* response) override;
+  grpc::Status GetZones(grpc::ServerContext* context,
+                        const v1::GetZonesRequest* request,
+                        v1::GetZonesResponse* response) override;
+  grpc::Status PutZones(grpc::ServerContext* context,
+                        const v1::PutZonesRequest* request,
+                        v1::PutZonesResponse* response) override;
+  grpc::Status RemoveZones(grpc::ServerContext* context,
+                           const v1::RemoveZonesRequest* request,
+                           v1::RemoveZonesResponse* response) override;
   grpc::Status SetInitialPose(grpc::ServerContext* context,
                               const v1::SetInitialPoseRequest* request,
                               v1::SetInitialPoseResponse* response) override;

@@ -1,5 +1,9 @@
 #include "nav_agent/service/navigation_calls.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/wire/geometry.h"
@@ -9,6 +13,7 @@
 #include "nav_agent/service/navigation_wire.h"
 #include "nav_agent/service/stream_slot.h"
 #include "nav_agent/service/watch_robot.h"
+#include "nav_agent/service/zones_wire.h"
 
 namespace treeline::agent_service {
 namespace {
@@ -110,6 +115,51 @@ absl::StatusOr<v1::GetMapsResponse> NavigationCalls::GetMaps(
     TL_ASSIGN_OR_RETURN(*level.mutable_png(),
                         LevelPng(levels[static_cast<size_t>(index)].grid));
   }
+  return response;
+}
+
+absl::StatusOr<v1::GetZonesResponse> NavigationCalls::GetZones(
+    const v1::GetZonesRequest& /*request*/) const {
+  const ZoneBook& book = commands_.zones();
+  const ZoneBookContents contents = book.contents();
+  v1::GetZonesResponse response;
+  response.set_revision(contents.revision);
+  for (const zones::Zone& zone : contents.zones) {
+    *response.add_zones() = ToProto(zone);
+  }
+  for (const zones::ZoneMask& mask : book.masks()) {
+    *response.add_masks() = ToProto(mask, book.RunsOf(mask));
+  }
+  response.set_survives_restart(book.keeping().ok());
+  response.set_warning(std::string(book.keeping().message()));
+  return response;
+}
+
+absl::StatusOr<v1::PutZonesResponse> NavigationCalls::PutZones(
+    const v1::PutZonesRequest& request) {
+  std::vector<zones::Zone> zones;
+  for (const v1::Zone& proto : request.zones()) {
+    TL_ASSIGN_OR_RETURN(zones::Zone zone, FromProto(proto));
+    zones.push_back(std::move(zone));
+  }
+  if (zones.empty()) return wire::FieldError("zones", "has none");
+  TL_ASSIGN_OR_RETURN(const ZoneBookContents contents,
+                      commands_.PutZones(zones));
+  const absl::Status keeping = commands_.zones().keeping();
+  v1::PutZonesResponse response;
+  response.set_revision(contents.revision);
+  response.set_survives_restart(keeping.ok());
+  response.set_warning(std::string(keeping.message()));
+  return response;
+}
+
+absl::StatusOr<v1::RemoveZonesResponse> NavigationCalls::RemoveZones(
+    const v1::RemoveZonesRequest& request) {
+  TL_ASSIGN_OR_RETURN(
+      const ZoneBookContents contents,
+      commands_.RemoveZones({request.names().begin(), request.names().end()}));
+  v1::RemoveZonesResponse response;
+  response.set_revision(contents.revision);
   return response;
 }
 

@@ -38,6 +38,12 @@ class NavigationCalls {
       const v1::GetInfoRequest& request) const;
   absl::StatusOr<v1::GetMapsResponse> GetMaps(
       const v1::GetMapsRequest& request) const;
+  absl::StatusOr<v1::GetZonesResponse> GetZones(
+      const v1::GetZonesRequest& request) const;
+  absl::StatusOr<v1::PutZonesResponse> PutZones(
+      const v1::PutZonesRequest& request);
+  absl::StatusOr<v1::RemoveZonesResponse> RemoveZones(
+      const v1::RemoveZonesRequest& request);
   absl::StatusOr<v1::SetInitialPoseResponse> SetInitialPose(
       const v1::SetInitialPoseRequest& request);
   absl::StatusOr<v1::FindYourselfResponse> FindYourself(

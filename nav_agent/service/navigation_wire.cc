@@ -2,24 +2,16 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "common/base/clock.h"
 #include "common/geometry/planar_pose.h"
 #include "common/wire/geometry.h"
+#include "nav_agent/service/utf8_text.h"
 
 namespace treeline::agent_service {
 namespace {
 
 constexpr size_t kMaxParticles = 500;
-
-// Devices and libraries say what they like.
-std::string Utf8(const std::string& text) {
-  const std::string quoted =
-      nlohmann::json(text).dump(-1, ' ', /*ensure_ascii=*/false,
-                                nlohmann::json::error_handler_t::replace);
-  return nlohmann::json::parse(quoted).get<std::string>();
-}
 
 v1::RelocalizationFix FixToProto(const AgentInfo& info,
                                  const behavior::NavigatorSnapshot& snapshot) {
@@ -197,6 +189,7 @@ v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state) {
   }
   proto.set_steps(snapshot.steps);
   proto.set_missed_deadlines(state.missed_deadlines);
+  proto.set_zones_revision(state.zones_revision);
   if (snapshot.stop.has_value()) {
     v1::OperatorStop& stop = *proto.mutable_stop();
     stop.set_why(Utf8(snapshot.stop->why));

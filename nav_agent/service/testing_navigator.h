@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "nav_agent/behavior/navigator.h"
@@ -26,6 +27,10 @@ class FakeNavigator final : public behavior::Navigator {
   void Stop(const std::string& why) override;
   void Release() override;
   absl::Status Drive(const core::VelocityCommand& wanted) override;
+  absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> told) override {
+    zones = std::move(told);
+    return absl::OkStatus();
+  }
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -42,6 +47,7 @@ class FakeNavigator final : public behavior::Navigator {
 
   behavior::NavigatorSnapshot snapshot;
   behavior::NavigationGoal last_goal;
+  std::shared_ptr<const zones::ZoneMap> zones;
   bool halted = false;
   // While false it stands before its goal: for whoever wants to see it on the
   // way there. Thread-safe.

@@ -275,6 +275,92 @@ TEST_F(AgentRunTest, AStopHoldsOverARestartUntilItIsReleased) {
   EXPECT_EQ(Get("/api/state")["stop"], nullptr);
 }
 
+// A polygon around the goal, drawn over the wire; and a mask across the cafe.
+TEST_F(AgentRunTest, ZonesHoldOverARestart) {
+  const std::vector<std::string> arguments = {"--simulate",
+                                              "cafe",
+                                              "--people=false",
+                                              "--camera-hz",
+                                              "0",
+                                              "--speed",
+                                              "4",
+                                              "--state-dir",
+                                              folder_ + "/state",
+                                              "--zone-masks",
+                                              folder_ + "/masks.yaml"};
+  // Black in one of 4 x 1 pixels of 2 m.
+  ASSERT_TRUE(
+      base::WriteNewFile(folder_ + "/mask.pgm", "P2 4 1 255\n254 254 254 0\n")
+          .ok());
+  ASSERT_TRUE(base::WriteNewFile(folder_ + "/mask.yaml",
+                                 "image: mask.pgm\nresolution: 2\n"
+                                 "origin: [1, 1, 0]\n")
+                  .ok());
+  ASSERT_TRUE(base::WriteNewFile(folder_ + "/masks.yaml",
+                                 "masks:\n  - file: mask.yaml\n"
+                                 "    filter: keep-out\n")
+                  .ok());
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  v1::PutZonesRequest put;
+  v1::Zone& zone = *put.add_zones();
+  zone.set_name("counter");
+  zone.set_kind(v1::ZONE_KIND_KEEP_OUT);
+  for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    v1::ZoneCorner& corner = *zone.add_corners();
+    corner.set_x_m(kGoalX_m + dx);
+    corner.set_y_m(kGoalY_m + dy);
+  }
+  v1::PutZonesResponse answer;
+  {
+    grpc::ClientContext context;
+    ASSERT_TRUE(stub_->PutZones(&context, put, &answer).ok());
+  }
+  EXPECT_TRUE(answer.survives_restart()) << answer.warning();
+  const auto refused = [this] {
+    const grpc::Status status = Navigate(kGoalX_m, kGoalY_m);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+    EXPECT_THAT(status.error_message(), HasSubstr("keep-out zone 'counter'"));
+  };
+  refused();
+  agent_->Signal(SIGKILL);
+  agent_->WaitForExit();
+
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  refused();
+  v1::GetZonesResponse found;
+  {
+    grpc::ClientContext context;
+    ASSERT_TRUE(stub_->GetZones(&context, {}, &found).ok());
+  }
+  ASSERT_EQ(found.zones_size(), 1);
+  EXPECT_EQ(found.zones(0).name(), "counter");
+  ASSERT_EQ(found.masks_size(), 1);
+  EXPECT_GT(found.masks(0).runs_size(), 0);
+  v1::RemoveZonesRequest remove;
+  remove.add_names("counter");
+  v1::RemoveZonesResponse removed;
+  {
+    grpc::ClientContext context;
+    ASSERT_TRUE(stub_->RemoveZones(&context, remove, &removed).ok());
+  }
+  const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
+  EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
+      << last.goal().why() << agent_->err();
+}
+
+TEST_F(AgentRunTest, ZonesThatCannotBeReadAreNoReasonToDriveWithoutThem) {
+  std::filesystem::create_directories(folder_ + "/state");
+  ASSERT_TRUE(base::WriteNewFile(folder_ + "/state/zones",
+                                 "treeline-zones 1\nkeep-out 0 0")
+                  .ok());
+  Process agent({TREELINE_AGENT, "run", "--listen", "127.0.0.1:0",
+                 "--http-listen", "", "--simulate", "cafe", "--camera-hz", "0",
+                 "--state-dir", folder_ + "/state"});
+  EXPECT_NE(agent.WaitForExit(), 0);
+  EXPECT_THAT(agent.err(), HasSubstr(folder_ + "/state/zones"));
+  EXPECT_THAT(agent.err(), HasSubstr("it does not drive without them"));
+}
+
 TEST_F(AgentRunTest, AStopFileThatIsNotUnderstoodIsAStop) {
   std::filesystem::create_directories(folder_ + "/state");
   ASSERT_TRUE(

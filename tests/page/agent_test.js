@@ -131,6 +131,26 @@ test('the page drives the robot by hand, stops it and releases it', async () => 
   await close();
 });
 
+test('a zone that is drawn on the page refuses goals until it is removed', async () => {
+  const { page, wrongs, close } = await openPage(browser.browser, agent.url);
+  const [x, y, z] = OTHER_FLOOR;
+  await page.click('#tool-zone');
+  for (const [dx, dy] of [[-0.7, -0.7], [0.7, -0.7], [0.7, 0.7], [-0.7, 0.7]]) {
+    await dragOnMap(page, [x + dx, y + dy, z]);
+  }
+  await page.click('#zone-finish');
+  await text(page, '#zones', 'Keep out 1');
+  await text(page, '#events', 'zones have changed');
+  await page.click('#tool-goal');
+  await dragOnMap(page, OTHER_FLOOR);
+  await text(page, '#toasts', 'lies in the keep-out zone \'Keep out 1\'');
+  await page.click('#zones > summary');
+  await page.click('#zones button');
+  await text(page, '#zones', 'There are none');
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
 for (const format of ['binary', 'JSON']) {
   test(`others speak Connect in ${format}`, async () => {
     const client = connect.createClient(messages.NavigationService,

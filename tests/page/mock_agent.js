@@ -72,6 +72,9 @@ export class MockAgent {
     this.fix = null;
     this.stopped = undefined;
     this.stopWarning = '';
+    this.zones = [];
+    this.masks = [];
+    this.zonesRevision = 1n;
     this.events = [];
     this.time = 12;
     this.devices = ['laser', 'odometry', 'base', 'camera', 'server'].map(
@@ -216,6 +219,7 @@ export class MockAgent {
       ...this.simulated && { trueMapFromBase: {
         xM: x + 0.05, yM: y - 0.04, yawRad: yaw + 0.03, heightM } },
       steps: BigInt(Math.round(this.time * 40)),
+      zonesRevision: this.zonesRevision,
     };
   }
 
@@ -292,6 +296,9 @@ export class MockAgent {
       streamState: (_request, { signal }) => this.stream(signal),
       cancel: obey('Cancel'), pause: obey('Pause'), resume: obey('Resume'),
       stop: obey('Stop'), release: obey('Release'), drive: obey('Drive'),
+      getZones: () => ({ revision: this.zonesRevision, zones: this.zones,
+        masks: this.masks, survivesRestart: true }),
+      putZones: obey('PutZones'), removeZones: obey('RemoveZones'),
       setInitialPose: obey('SetInitialPose'),
       findYourself: obey('FindYourself'),
     });
@@ -401,6 +408,15 @@ export class MockAgent {
         this.mode = 'idle';
         return {};
       case 'Drive': return { leaseS: 0.3 };
+      case 'PutZones':
+        this.zones.push(...body.zones);
+        ++this.zonesRevision;
+        return { revision: this.zonesRevision, survivesRestart: true };
+      case 'RemoveZones':
+        this.zones = this.zones.filter(
+            ({ name }) => !body.names.includes(name));
+        ++this.zonesRevision;
+        return { revision: this.zonesRevision };
       case 'SetInitialPose': {
         const { xM, yM, yawRad } = body.mapFromBase;
         this.pose = { x: xM, y: yM, yaw: yawRad };

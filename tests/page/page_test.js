@@ -96,6 +96,41 @@ test('the robot is told where it is', async () => {
   await close();
 });
 
+test('a zone is drawn corner by corner, listed and removed', async () => {
+  const { page, wrongs, close } = await openPage(browser, url, {}, /400/);
+  await page.click('#tool-zone');
+  await page.selectOption('#zone-kind', 'one-way');
+  assert.equal(await page.isDisabled('#zone-finish'), true);
+  for (const [x, y] of [[3.0, 3.0], [3.0, 5.0], [6.0, 5.0], [6.0, 3.0]]) {
+    await dragOnMap(page, [x, y, 0]);
+  }
+  await text(page, '.zone-hint', '4 corners');
+  await page.click('#zone-undo');
+  await text(page, '.zone-hint', '3 corners');
+  // A click that missed is taken back; the refusal of the agent leaves the rest.
+  agent.refusals.set('PutZones', 'zone crosses itself');
+  await page.click('#zone-finish');
+  await text(page, '.toasts', 'crosses itself');
+  agent.refusals.clear();
+  await dragOnMap(page, [6.0, 3.0, 0]);
+  await page.click('#zone-finish:enabled');
+  await text(page, '#zones', 'One way 1');
+  const { zones } = agent.lastAsked('PutZones');
+  assert.equal(zones.length, 1);
+  assert.equal(zones[0].corners.length, 4);
+  near(zones[0].corners[0].xM, 3);
+  near(zones[0].corners[1].yM, 5);
+  // As its first side was drawn.
+  near(zones[0].directionRad, Math.PI / 2, 0.1);
+  assert.equal(await page.getAttribute('#tool-look', 'aria-pressed'), 'true');
+  await page.click('#zones > summary');
+  await page.click('#zones button');
+  assert.deepEqual((await asked('RemoveZones')).names, ['One way 1']);
+  await text(page, '#zones', 'There are none');
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
 test('buttons ask for what they say', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
   assert.equal(await page.isDisabled('#cancel'), true);

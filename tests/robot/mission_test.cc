@@ -1,10 +1,14 @@
 // The whole loop: a navigator drives a simulated robot to its goals.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "gtest/gtest.h"
+#include "nav_agent/zones/zone_map.h"
 #include "tests/robot/testing_mission.h"
 
 namespace treeline {
@@ -80,6 +84,97 @@ TEST(Mission, DrivesThroughPosesWithoutStopping) {
   EXPECT_EQ(goal.next_pose, 3u);
   // Chairs stand near the way: it slows down for them, and does not stand.
   EXPECT_GT(slowest_mps, 0.08) << mission.Story();
+}
+
+zones::Zone Box(const std::string& name, zones::ZoneKind kind, double x0,
+                double y0, double x1, double y1) {
+  return {.name = name,
+          .kind = kind,
+          .level = 0,
+          .corners_in_map = {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}},
+          .max_mps = 0.25};
+}
+
+std::shared_ptr<const zones::ZoneMap> SetZones(
+    TestMission& mission, const std::vector<zones::Zone>& zones) {
+  const auto made =
+      zones::ZoneMap::Make(mission.map().traversable(), zones, {}, 0.6);
+  EXPECT_TRUE(made.ok()) << made.status();
+  const auto map = made.value_or(nullptr);
+  EXPECT_TRUE(mission.navigator().SetZones(map).ok());
+  return map;
+}
+
+// How much of the true footprint is in what is kept out of, in points of 5 cm;
+// inset_m of its edge are left out: localization is off by that.
+int PointsInside(const TestMission& mission, const zones::ZoneMap& zones,
+                 double inset_m) {
+  const core::RobotModel robot;
+  int points = 0;
+  for (double x = -robot.rear_m + inset_m; x <= robot.front_m - inset_m;
+       x += 0.05) {
+    for (double y = -robot.half_width_m + inset_m;
+         y <= robot.half_width_m - inset_m; y += 0.05) {
+      points += zones.IsKeptOut(0, mission.Truth() * geometry::Vec2{x, y});
+    }
+  }
+  return points;
+}
+
+// It begins in a zone, has to go around another one and slowly through a third.
+TEST(Mission, KeepsToItsZones) {
+  constexpr double kEstimate_m = 0.08;
+  TestMission mission({});
+  const auto zones = SetZones(
+      mission, {Box("start", zones::ZoneKind::kKeepOut, 0.6, 7.2, 2.4, 8.6),
+                Box("aisle", zones::ZoneKind::kKeepOut, 5.2, 7.3, 6.6, 9.0),
+                Box("counter", zones::ZoneKind::kSpeed, 7.4, 5.0, 8.4, 9.5)});
+  ASSERT_GT(PointsInside(mission, *zones, 0), 0);
+  mission.Send({mission.At(kCounter.x, kCounter.y)});
+  bool is_out = false;
+  int inside = 0;
+  double fastest_mps = 0;
+  const behavior::GoalStatus goal = mission.RunToEnd(90, [&] {
+    const int now = PointsInside(mission, *zones, kEstimate_m);
+    is_out = is_out || now == 0;
+    if (is_out) inside = std::max(inside, now);
+    const double x_m = mission.Truth().translation.x;
+    if (x_m > 7.4 + kEstimate_m && x_m < 8.4 - kEstimate_m) {
+      fastest_mps = std::max(fastest_mps,
+                             std::abs(mission.simulator().state().forward_mps));
+    }
+  });
+  EXPECT_EQ(goal.state, behavior::GoalState::kSucceeded) << mission.Story();
+  EXPECT_TRUE(is_out);
+  EXPECT_EQ(inside, 0) << mission.Story();
+  EXPECT_GT(fastest_mps, 0.1);
+  EXPECT_LT(fastest_mps, 0.25 + 0.03);
+  EXPECT_LT(FromCounter_m(mission), 0.2);
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
+
+// Zones that are drawn around a robot that drives, and over its goal.
+TEST(Mission, ZonesThatAreDrawnOnTheWayHoldFromThenOn) {
+  TestMission mission({});
+  mission.Send({mission.At(kCounter.x, kCounter.y)});
+  mission.Run(6);
+  const geometry::Vec2 at = mission.Truth().translation;
+  const auto around =
+      SetZones(mission, {Box("here", zones::ZoneKind::kKeepOut, at.x - 0.6,
+                             at.y - 0.6, at.x + 0.6, at.y + 0.6)});
+  ASSERT_GT(PointsInside(mission, *around, 0), 0);
+  ASSERT_TRUE(mission.RunUntil(
+      [&] { return PointsInside(mission, *around, 0.05) == 0; }, 30))
+      << mission.Story();
+  EXPECT_EQ(mission.navigator().goal()->state, behavior::GoalState::kActive);
+  SetZones(mission, {Box("goal", zones::ZoneKind::kKeepOut, kCounter.x - 1,
+                         kCounter.y - 1, kCounter.x + 1, kCounter.y + 1)});
+  const behavior::GoalStatus goal = mission.RunToEnd(10);
+  EXPECT_EQ(goal.state, behavior::GoalState::kFailed) << mission.Story();
+  EXPECT_EQ(goal.cause, core::NavigationCause::kZone);
+  EXPECT_NE(goal.why.find("keep-out zone 'goal'"), std::string::npos)
+      << goal.why;
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
 }
 
 // Thesis 6.6.1: the way is blocked, and another one is found.

@@ -68,8 +68,8 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::state_dir,
             {.name = "state_dir",
              .value_name = "DIR",
-             .help = "Folder where a stop is kept, so that a restart finds "
-                     "it; default: a restart forgets stops"});
+             .help = "Folder where a stop and drawn zones are kept, so that a "
+                     "restart finds them; default: a restart forgets them"});
 }
 
 void AddPlace(Table& table) {
@@ -78,6 +78,11 @@ void AddPlace(Table& table) {
              .value_name = "BUNDLE",
              .help = "Map bundle of `treeline-agent map`; with simulate and "
                      "without map: the world's own perfect map"});
+  table.Add(&AgentConfig::zone_masks,
+            {.name = "zone_masks",
+             .value_name = "FILE",
+             .help = "Keep-out and speed zones as mask files: YAML file that "
+                     "lists them (docs/reference/zones.md)"});
   table.Add(&AgentConfig::start_at,
             {.name = "start_at",
              .value_name = "X,Y,YAW[,LEVEL]",
@@ -286,6 +291,10 @@ absl::Status AgentConfig::Validate() const {
   if (find_yourself && by_sight) {
     return absl::InvalidArgumentError(
         "--by-sight finds no place; leave --find-yourself out");
+  }
+  if (!zone_masks.empty() && by_sight) {
+    return absl::InvalidArgumentError(
+        "--by-sight keeps to no zones; leave --zone-masks out");
   }
   TL_RETURN_IF_ERROR(SimulatedWorld().status());
   TL_RETURN_IF_ERROR(ParseRequestedPose(start_at, "--start-at").status());

@@ -33,6 +33,7 @@ struct AgentConfig {
   std::string robot = "rmp100";
   std::string record;
   std::string state_dir;
+  std::string zone_masks;
   // ---- where it is ----
   std::string map;
   std::vector<std::string> start_at;

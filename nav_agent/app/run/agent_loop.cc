@@ -178,6 +178,7 @@ void AgentLoop::Publish() {
   state.true_map_from_base = robot_.TrueMapFromBase();
   state.obstacles = robot_.Obstacles();
   state.missed_deadlines = missed_;
+  state.zones_revision = commands_.zones().revision();
   metrics_.ObserveState(state);
   commands_.hub().Publish(std::move(state));
 }

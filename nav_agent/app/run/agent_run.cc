@@ -25,12 +25,14 @@
 #include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/bridge/foxglove/foxglove_server.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
 #include "nav_agent/service/agent_info.h"
 #include "nav_agent/service/http_api.h"
+#include "nav_agent/zones/zone_masks.h"
 
 namespace treeline::run_app {
 namespace {
@@ -115,6 +117,8 @@ class AgentProgram {
   const agent_service::PictureKeeper* CameraPicture() const {
     return camera_ == nullptr ? nullptr : &camera_picture_;
   }
+  // Those that were drawn, and masks.
+  absl::Status ReadZones();
   // False: a stop was requested meanwhile.
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
@@ -126,6 +130,10 @@ class AgentProgram {
   void LogEvents(const std::vector<RepeatedLine>& lines);
   // A simulated robot stands where --start-at says.
   absl::Status PlaceRobot();
+  // On the robot's clock: who drives by hand lives in real time.
+  double ManualLease_s() const {
+    return behavior::kManualLease_s * config_.speed;
+  }
   // Steps wait for a simulation of somebody else's.
   bool FollowsSimulation() const {
     return ros_robot_ != nullptr && ros_robot_->config().use_sim_time;
@@ -153,6 +161,7 @@ class AgentProgram {
   agent_service::AgentHub hub_{agent_service::AgentHubOptions()};
   agent_service::AgentMetrics metrics_;
   std::unique_ptr<agent_service::StopFile> stops_;
+  std::unique_ptr<agent_service::ZoneBook> zones_;
   std::unique_ptr<agent_service::AgentCommands> commands_;
   std::unique_ptr<behavior::Navigator> navigator_;
   std::unique_ptr<agent_service::HttpApi> api_;
@@ -280,8 +289,9 @@ absl::Status AgentProgram::Listen() {
         logging::LogLevel::kWarn,
         absl::StrCat("the robot starts stopped, until it is released: ", *why));
   }
+  TL_RETURN_IF_ERROR(ReadZones());
   commands_ = std::make_unique<agent_service::AgentCommands>(
-      hub_, info_, robot_->simulation(), stops_.get());
+      hub_, info_, robot_->simulation(), stops_.get(), zones_.get());
   if (!config_.listen.empty()) {
     TL_ASSIGN_OR_RETURN(
         grpc_,
@@ -333,6 +343,20 @@ absl::Status AgentProgram::LetFoxgloveWatch() {
   return absl::OkStatus();
 }
 
+absl::Status AgentProgram::ReadZones() {
+  agent_service::ZoneBookOptions options = {
+      .masks = {},
+      .full_mps =
+          std::min(config_.max_forward_mps, robot_->model().max_forward_mps),
+      .folder = config_.state_dir};
+  if (!config_.zone_masks.empty()) {
+    TL_ASSIGN_OR_RETURN(options.masks,
+                        zones::ReadZoneMasks(config_.zone_masks));
+  }
+  TL_ASSIGN_OR_RETURN(zones_, agent_service::ZoneBook::Open(map_, options));
+  return absl::OkStatus();
+}
+
 bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
   const behavior::NavigatorDevices devices = robot_->Devices();
   base::MonotonicTime next_report = real_clock_.Now() + kLaserReport;
@@ -378,6 +402,7 @@ absl::Status AgentProgram::MakeSightNavigator() {
   options.goal_tolerance_rad = config_.goal_tolerance_rad;
   options.laser_timeout_s = config_.laser_timeout_s;
   options.odometry_timeout_s = config_.odometry_timeout_s;
+  options.manual_lease_s = ManualLease_s();
   if (!map_->levels.levels.empty()) {
     options.known = {map_->levels.levels.front().grid};
   }
@@ -403,6 +428,7 @@ absl::Status AgentProgram::MakeNavigator() {
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.finds_itself_at_start = config_.find_yourself;
   options.seed = static_cast<uint64_t>(config_.seed);
+  options.manual_lease_s = ManualLease_s();
   absl::StatusOr<std::unique_ptr<behavior::Navigator>> navigator =
       behavior::Navigator::Create(*map_, robot_->model(), WatchedDevices(),
                                   options, robot_->clock());
@@ -443,6 +469,7 @@ absl::Status AgentProgram::PlaceRobot() {
 
 absl::Status AgentProgram::GiveOrders() {
   commands_->StopAsKept(*navigator_);
+  TL_RETURN_IF_ERROR(navigator_->SetZones(zones_->contents().map));
   TL_ASSIGN_OR_RETURN(std::optional<agent_service::RequestedPose> start,
                       ParseRequestedPose(config_.start_at, "--start-at"));
   const std::optional<geometry::Rigid3> truth = robot_->TrueMapFromBase();

@@ -72,6 +72,11 @@ TEST(AgentConfig, SaysWhatDoesNotFit) {
   config.start_at = {"1", "2", "3"};
   config.find_yourself = true;
   EXPECT_THAT(config.Validate().message(), HasSubstr("--find-yourself"));
+  config.find_yourself = false;
+  config.zone_masks = "masks.yaml";
+  EXPECT_TRUE(config.Validate().ok());
+  config.by_sight = true;
+  EXPECT_THAT(config.Validate().message(), HasSubstr("--zone-masks"));
 }
 
 TEST(AgentConfig, ReadsPoses) {

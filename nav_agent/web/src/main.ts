@@ -19,6 +19,7 @@ import { Scale } from './panels/map_help.js';
 import { SimulationPanel } from './panels/simulation_panel.js';
 import { StopBar } from './panels/stop_bar.js';
 import { LostPanel, StatusPanel } from './panels/status_panel.js';
+import { ZonesPanel } from './panels/zones_panel.js';
 import './common/page.css';
 import './style.css';
 import { MapView } from './view/map_view.js';
@@ -53,6 +54,10 @@ class Page {
   private readonly devices = new DevicesPanel();
   private readonly events = new EventsPanel();
   private readonly simulation: SimulationPanel;
+  private readonly zones: ZonesPanel;
+  // Of the zones that are shown, and whether they are fetched.
+  private zonesRevision = -1;
+  private fetchesZones = false;
   private info: AgentInfo | null = null;
   // The map that is shown, as text.
   private shownMap = '';
@@ -85,6 +90,20 @@ class Page {
     this.placing = this.view && new Placing(this.view,
         () => this.tool === 'goal' ? this.state?.pose ?? null : null,
         (placed) => this.place(placed));
+    this.zones = new ZonesPanel({
+      put: (zone) => client.putZone(zone).then(
+          (warning) => this.toasts.say(
+              `${zone.name} is there now. ${warning}`.trim(),
+              warning === '' ? 'calm' : 'bad'),
+          (error: unknown) => {
+            this.tell(error);
+            throw error;
+          }),
+      remove: (name) => this.ask(client.removeZone(name), `${name} is gone.`),
+      drawn: (corners, level, kind) =>
+        this.view?.setZoneDraft(corners, level, kind),
+      done: () => this.bar.choose('look'),
+    });
     this.bar = new MapBar({
       level: (picked) => {
         this.pickedLevel = picked;
@@ -97,6 +116,7 @@ class Page {
       tool: (tool) => {
         this.tool = tool;
         this.placing?.enable(tool !== 'look');
+        this.zones.enable(tool === 'zone');
       },
     });
     this.status = new StatusPanel({
@@ -148,10 +168,11 @@ class Page {
     this.host.append(
         el('span', { class: 'crosshair', attributes: { 'aria-hidden': 'true' } }),
         this.bar.top, this.scale.element,
-        el('div', { class: 'map-bottom' }, this.bar.hint, this.bar.tools));
+        el('div', { class: 'map-bottom' }, this.bar.hint, this.zones.bar,
+            this.bar.tools));
     const side = el('div', { class: 'side' },
         this.status.element, this.drive.element, this.lost.element,
-        this.simulation.element);
+        this.zones.element, this.simulation.element);
     const watch = el('div', { class: 'watch' },
         this.camera.element, this.devices.element, this.events.element);
     document.body.append(this.head.element, this.stop.banner,
@@ -204,7 +225,24 @@ class Page {
     for (const part of document.querySelectorAll<HTMLElement>('.needs-link')) {
       part.inert = link !== 'live';
     }
+    // An agent that began anew counts anew.
+    this.zonesRevision = -1;
     if (link === 'live') void this.loadMap();
+  }
+
+  private async loadZones(): Promise<void> {
+    if (this.fetchesZones) return;
+    this.fetchesZones = true;
+    try {
+      const zones = await this.client.zones();
+      this.zonesRevision = zones.revision;
+      this.zones.update(zones, this.info?.levels.length ?? 1);
+      this.view?.setZones(zones);
+      this.fetchesZones = false;
+    } catch (error) {
+      this.tell(error);
+      window.setTimeout(() => { this.fetchesZones = false; }, MAP_RETRY_MS);
+    }
   }
 
   private async loadMap(): Promise<void> {
@@ -254,6 +292,7 @@ class Page {
     this.lastHeard = Date.now();
     this.state = state;
     this.followLevel();
+    if (state.zonesRevision !== this.zonesRevision) void this.loadZones();
     this.view?.setState(state);
     this.stop.update(state);
     this.status.update(state);
@@ -283,6 +322,10 @@ class Page {
     const { client, level } = this;
     const pose = { x, y, yaw, level };
     const tool = this.tool;
+    if (tool === 'zone') {
+      this.zones.addCorner({ x, y }, level);
+      return;
+    }
     this.bar.choose('look');
     if (tool === 'goal') this.ask(client.sendGoal([pose]), 'Goal sent.');
     if (tool === 'pose') this.ask(client.setPose(pose), 'Pose sent.');

@@ -7,8 +7,8 @@ import { Code, ConnectError, createClient, type CallOptions, type Client,
 import {
   NavigationService, SimulationService, type StreamStateResponse,
 } from '../gen/treeline/v1/navigation_pb.js';
-import { infoOf } from './from_proto.js';
-import type { AgentInfo, Pose } from './types.js';
+import { infoOf, zonesOf, zoneToProto } from './from_proto.js';
+import type { AgentInfo, Pose, Zone, Zones } from './types.js';
 
 // What the agent answered, or why there is no answer, for people.
 export class ApiError extends Error {
@@ -82,6 +82,23 @@ export class AgentClient {
     return this.call((options) => this.navigation.drive(
         { forwardMps, yawRateRadps, driver, sequence }, options))
         .then(() => {});
+  }
+
+  zones(): Promise<Zones> {
+    return this.call(async (options) =>
+      zonesOf(await this.navigation.getZones({}, options)));
+  }
+
+  // What is wrong with keeping it; '' if nothing is.
+  putZone(zone: Zone): Promise<string> {
+    return this.call((options) => this.navigation.putZones(
+        { zones: [zoneToProto(zone)] }, options))
+        .then(({ warning }) => warning);
+  }
+
+  removeZone(name: string): Promise<void> {
+    return this.call((options) => this.navigation.removeZones(
+        { names: [name] }, options)).then(() => {});
   }
 
   findYourself = (): Promise<void> =>

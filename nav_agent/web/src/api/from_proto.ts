@@ -5,9 +5,10 @@ import type { DescEnum } from '@bufbuild/protobuf';
 
 import type { LevelPose } from '../gen/treeline/v1/navigation_pb.js';
 import * as v1 from '../gen/treeline/v1/navigation_pb.js';
+import * as v1z from '../gen/treeline/v1/zones_pb.js';
 import type {
   AgentInfo, Costmap, Fix, Goal, GoalState, LevelInfo, Pose, RobotEvent,
-  RobotScene, RobotState, TrackedPose,
+  RobotScene, RobotState, TrackedPose, Zone, ZoneKind, Zones,
 } from './types.js';
 
 // A message that is one, and makes no sense.
@@ -185,6 +186,7 @@ export function stateOf(state: v1.RobotState): RobotState {
         { ...planarOf(truth), height: finiteOr(truth.heightM, 0) },
     stop: state.stop === undefined ? null :
         { why: state.stop.why, since: finiteOr(state.stop.sinceS, 0) },
+    zonesRevision: Number(state.zonesRevision),
     missedDeadlines: Number(state.missedDeadlines),
     steps: Number(state.steps),
   };
@@ -222,6 +224,50 @@ export function sceneOf(scene: v1.RobotScene): RobotScene {
     costmap: costmapOf(scene.costmap),
     obstacles: scene.obstacles.map(
         ({ name, xM, yM }) => ({ name, x: xM, y: yM })),
+  };
+}
+
+const ZONE_KINDS: readonly [v1z.ZoneKind, ZoneKind][] = [
+  [v1z.ZoneKind.KEEP_OUT, 'keep-out'], [v1z.ZoneKind.SPEED, 'speed'],
+  [v1z.ZoneKind.ONE_WAY, 'one-way'],
+];
+
+// Of kinds that this page does not know: nothing.
+const zoneKindOf = (kind: v1z.ZoneKind): ZoneKind | undefined =>
+  ZONE_KINDS.find(([number]) => number === kind)?.[1];
+
+export function zonesOf(message: v1z.GetZonesResponse): Zones {
+  return {
+    revision: Number(message.revision),
+    zones: message.zones.flatMap((zone) => {
+      const kind = zoneKindOf(zone.kind);
+      return kind === undefined ? [] : [{
+        name: zone.name,
+        kind,
+        level: zone.level,
+        corners: zone.corners.map(({ xM, yM }) => (
+          { x: needFinite(xM, 'x_m'), y: needFinite(yM, 'y_m') })),
+        maxMps: zone.maxMps,
+        direction: zone.directionRad,
+      }];
+    }),
+    masks: message.masks.flatMap(({ name, kind: number, level, runs }) => {
+      const kind = zoneKindOf(number);
+      return kind === undefined ? [] : [{ name, kind, level, runs }];
+    }),
+    warning: message.warning,
+  };
+}
+
+export function zoneToProto(zone: Zone) {
+  return {
+    name: zone.name,
+    kind: ZONE_KINDS.find(([, kind]) => kind === zone.kind)?.[0] ??
+      v1z.ZoneKind.UNSPECIFIED,
+    level: zone.level,
+    corners: zone.corners.map(({ x, y }) => ({ xM: x, yM: y })),
+    maxMps: zone.maxMps,
+    directionRad: zone.direction,
   };
 }
 

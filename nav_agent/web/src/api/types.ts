@@ -83,6 +83,34 @@ export interface Device {
   cause: string;
 }
 
+export type ZoneKind = 'keep-out' | 'speed' | 'one-way';
+
+export interface Zone {
+  name: string;
+  kind: ZoneKind;
+  level: number;
+  corners: { x: number; y: number }[];
+  // Of a speed zone (m/s), and of a one-way zone (rad).
+  maxMps: number;
+  direction: number;
+}
+
+export interface ZoneMask {
+  name: string;
+  kind: ZoneKind;
+  level: number;
+  // Row, first column, and the column after the last, of each run of cells.
+  runs: number[];
+}
+
+export interface Zones {
+  revision: number;
+  zones: Zone[];
+  masks: ZoneMask[];
+  // Why a restart does not find them; '' if it does.
+  warning: string;
+}
+
 export interface RobotState {
   time: number;
   mode: string;
@@ -99,6 +127,8 @@ export interface RobotState {
   truth: { x: number; y: number; yaw: number; height: number } | null;
   // Holds until it is released; null: nobody has stopped it.
   stop: { why: string; since: number } | null;
+  // Of the zones that there are now.
+  zonesRevision: number;
   missedDeadlines: number;
   steps: number;
 }

@@ -5,7 +5,7 @@ import { DEFAULT_CUT_M, NO_CUT_M } from '../model/levels.js';
 import { button, el, setShown, setText } from '../common/dom.js';
 import { MapHelp } from './map_help.js';
 
-export type Tool = 'look' | 'goal' | 'pose' | 'kidnap' | 'obstacle';
+export type Tool = 'look' | 'goal' | 'pose' | 'zone' | 'kidnap' | 'obstacle';
 
 export interface MapCommands {
   level(picked: number | null): void;
@@ -17,7 +17,8 @@ export interface MapCommands {
 }
 
 const LAYER_LABELS: Record<LayerName, string> = {
-  octomap: 'OctoMap', ground: 'Traversable map', costmap: 'Local costmap',
+  octomap: 'OctoMap', ground: 'Traversable map', zones: 'Zones',
+  costmap: 'Local costmap',
   scan: 'Laser scan', particles: 'Particles', tree: 'Search tree',
   path: 'Path', bubbles: 'Bubbles', blockages: 'Blockages',
   truth: 'True pose (simulation)',
@@ -30,6 +31,8 @@ const TOOLS: readonly
         'Click where the robot shall go; drag to choose its heading.', 'g'],
       ['pose', 'Set pose',
         'Click where the robot stands; drag to choose its heading.', 'p'],
+      // Its hints are beside what it needs.
+      ['zone', 'Draw zone', '', 'z'],
       ['kidnap', 'Kidnap here',
         'Click where the robot shall be put without being told.', ''],
       ['obstacle', 'Add box', 'Click where a box shall stand.', ''],

@@ -6,8 +6,10 @@ import {
 } from 'three';
 import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
 
-import type { AgentInfo, RobotScene, RobotState } from '../api/types.js';
-import { turnBetween } from '../model/gesture.js';
+import type {
+  AgentInfo, RobotScene, RobotState, ZoneKind, Zones,
+} from '../api/types.js';
+import { turnBetween, type Place } from '../model/gesture.js';
 import type { HeightField } from '../model/height_field.js';
 import { cutHeight, DEFAULT_CUT_M } from '../model/levels.js';
 import { restAfter } from '../model/pace.js';
@@ -25,11 +27,12 @@ import {
 import { OtherPlacesLayer } from './layers/other_places_layer.js';
 import { RobotLayer, type Stand } from './layers/robot_layer.js';
 import { VoxelLayer } from './layers/voxel_layer.js';
+import { ZoneLayer } from './layers/zone_layer.js';
 import { currentTheme, onThemeChange } from './theme.js';
 
 export const LAYERS = [
-  'octomap', 'ground', 'costmap', 'scan', 'particles', 'tree', 'path',
-  'bubbles', 'blockages', 'truth',
+  'octomap', 'ground', 'zones', 'costmap', 'scan', 'particles', 'tree',
+  'path', 'bubbles', 'blockages', 'truth',
 ] as const;
 export type LayerName = typeof LAYERS[number];
 
@@ -79,6 +82,8 @@ export class MapView {
   private readonly goal = new GoalLayer();
   private readonly blockages = new BlockageLayer();
   private readonly obstacles = new ObstacleLayer();
+  private readonly zones = new ZoneLayer();
+  private shownZones: Zones | null = null;
   private fields: HeightField[] = [];
   private level = 0;
   private cutAboveGround = DEFAULT_CUT_M;
@@ -120,7 +125,8 @@ export class MapView {
     this.canvas.addEventListener('keydown', (event) => this.zoomBy(event.key));
     this.controls.addEventListener('change', () => this.draw());
     this.scene.add(
-        this.voxels.object, this.ground.object, this.costmap.object,
+        this.voxels.object, this.ground.object, this.zones.object,
+        this.costmap.object,
         this.tree.object, this.bubbles.object, this.path.object,
         this.blockages.object, this.obstacles.object, this.particles.object,
         this.scan.object, this.robot.doubt, this.robot.truth, this.robot.robot,
@@ -143,7 +149,7 @@ export class MapView {
     this.path.material.color.set(theme.path);
     this.choice.material.color.set(theme.goal);
     for (const layer of [this.robot, this.bubbles, this.goal, this.blockages,
-      this.obstacles, this.ground, this.otherPlaces]) {
+      this.obstacles, this.ground, this.otherPlaces, this.zones]) {
       layer.paint(theme);
     }
     this.draw();
@@ -189,6 +195,7 @@ export class MapView {
     this.camera.position.z += rise;
     this.level = level;
     this.ground.show(level);
+    this.drawZones();
     this.applyCut();
   }
 
@@ -215,6 +222,7 @@ export class MapView {
     const isShown = (layer: LayerName): boolean => !this.hidden.has(layer);
     this.voxels.object.visible = isShown('octomap');
     this.ground.object.visible = isShown('ground');
+    this.zones.object.visible = isShown('zones');
     this.costmap.object.visible = isShown('costmap') && this.hasCostmap;
     this.scan.object.visible = isShown('scan');
     this.particles.object.visible = isShown('particles');
@@ -232,6 +240,27 @@ export class MapView {
 
   private groundAt(x: number, y: number, level: number): number {
     return this.field(level)?.atOr(x, y, this.field(level)?.typical ?? 0) ?? 0;
+  }
+
+  // ---- zones ----
+
+  setZones(zones: Zones): void {
+    this.shownZones = zones;
+    this.drawZones();
+    this.draw();
+  }
+
+  setZoneDraft(corners: readonly Place[], level: number, kind: ZoneKind):
+      void {
+    this.zones.setDraft(
+        corners, kind, (x, y) => this.groundAt(x, y, level));
+    this.draw();
+  }
+
+  private drawZones(): void {
+    if (this.shownZones === null) return;
+    this.zones.set(this.shownZones, this.field()?.level ?? null,
+        (x, y) => this.groundAt(x, y, this.level));
   }
 
   // ---- what the agent says ----

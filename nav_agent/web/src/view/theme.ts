@@ -1,5 +1,7 @@
 // Colours of the map's picture, for a light and a dark room.
 
+import type { ZoneKind } from '../api/types.js';
+
 export interface Theme {
   background: number;
   free: [number, number, number];
@@ -18,6 +20,7 @@ export interface Theme {
   obstacle: number;
   costMap: [number, number, number];
   costSeen: [number, number, number];
+  zones: Record<ZoneKind, number>;
 }
 
 export const LIGHT: Theme = {
@@ -38,6 +41,7 @@ export const LIGHT: Theme = {
   obstacle: 0xb8741a,
   costMap: [110, 96, 160],
   costSeen: [232, 120, 20],
+  zones: { 'keep-out': 0xc62828, 'speed': 0xb26a00, 'one-way': 0x1565c0 },
 };
 
 export const DARK: Theme = {
@@ -58,6 +62,7 @@ export const DARK: Theme = {
   obstacle: 0xe6b05a,
   costMap: [150, 136, 210],
   costSeen: [255, 160, 60],
+  zones: { 'keep-out': 0xff7b72, 'speed': 0xffb74d, 'one-way': 0x64b5f6 },
 };
 
 const preference = (): MediaQueryList =>
