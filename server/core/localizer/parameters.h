@@ -118,8 +118,8 @@ inline constexpr base::Parameter<int> kMinKeyframeInliers{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why =
-        "a pose that fewer matches support is not proposed: foreign pictures "
-        "have up to 9 by chance"};
+        "a pose that fewer matches support is not proposed: of pictures of "
+        "other places up to 7 agree by chance, of mirrored ones up to 14"};
 inline constexpr base::Parameter<double> kKeypointSigma_px{
     .name = "keypoint_sigma",
     .value = 1,
