@@ -144,7 +144,25 @@ TEST_F(SceneTrainerTest, UniversalAnswersInAnotherLight) {
   EXPECT_GE(right, 12);
 }
 
-TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthThatIsStatedWrongly) {
+// The right half of a frame's width and height.
+image::Frame WindowOf(const image::Frame& frame,
+                      camera::RgbdCalibration calibration) {
+  const int width = frame.color.width / 2;
+  const int height = frame.color.height / 2;
+  image::Frame window;
+  calibration.color =
+      camera::Cropped(calibration.color, width, height, width, height).value();
+  window.calibration = calibration;
+  window.color = {width, height, {}};
+  for (int y = height; y < 2 * height; ++y) {
+    const auto row =
+        frame.color.rgb.begin() + 3 * (y * frame.color.width + width);
+    window.color.rgb.insert(window.color.rgb.end(), row, row + 3 * width);
+  }
+  return window;
+}
+
+TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
   ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
   const auto localizer = localizer::OpenLocalizer(Path("universal"));
   ASSERT_TRUE(localizer.ok());
@@ -167,6 +185,22 @@ TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthThatIsStatedWrongly) {
              std::abs(estimate->focal_scale * 1.08 - 1) < 0.02;
   }
   EXPECT_GE(right, 12);
+  // A window of the scene's pictures has its focal length.
+  right = 0;
+  for (int i = 0; i < 16; ++i) {
+    const geometry::Rigid3 truth = HeldOutPose(5 * i);
+    const image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
+    const auto estimate =
+        (*localizer)->Localize(WindowOf(frame, Calibration()), {});
+    ASSERT_TRUE(estimate.ok()) << estimate.status();
+    EXPECT_EQ(estimate->focal_scale, 1);
+    if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+    const geometry::PoseError error =
+        geometry::ErrorBetween(estimate->world_from_camera, truth);
+    EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
+    right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
+  }
+  EXPECT_GE(right, 8);
 }
 
 TEST_F(SceneTrainerTest, UniversalRefusesAPhotographOfTheScene) {

@@ -53,7 +53,7 @@ SiftFeatures FastSift::Extract(const image::ColorImage& image,
                                const FastSiftOptions& options) {
   SiftFeatures features;
   const size_t most = static_cast<size_t>(std::max(0, options.max_features));
-  space_.Assign(image);
+  space_.Assign(image, options.least_reduction);
   FindExtrema(space_, extrema_);
   if (extrema_.empty()) return features;
   Rank(most);

@@ -19,6 +19,8 @@ struct FastSiftOptions {
   // For cameras that are held upright: no angle is sought, all are 0. Such
   // features are more distinct, and are lost when the camera rolls.
   bool upright = false;
+  // The picture is reduced by no less: features are sought no finer.
+  int least_reduction = 1;
 };
 
 // Beside OpenCV's features (ExtractSift), which take ten times as long:

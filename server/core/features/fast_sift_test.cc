@@ -147,6 +147,42 @@ TEST(FastSiftTest, TurnsWithThePicture) {
             0.1);
 }
 
+TEST(FastSiftTest, FindsInAWindowWhatItFindsInTheWholePicture) {
+  constexpr int kLeft = 200;
+  constexpr int kTop = 100;
+  const image::ColorImage picture = Picture();
+  image::ColorImage window{kWidth / 2, kHeight / 2, {}};
+  for (int y = 0; y < window.height; ++y) {
+    const auto row = picture.rgb.begin() + 3 * ((kTop + y) * kWidth + kLeft);
+    window.rgb.insert(window.rgb.end(), row, row + 3 * window.width);
+  }
+  const auto move = [](camera::Pixel p) {
+    return camera::Pixel{p.x - kLeft, p.y - kTop};
+  };
+  FastSift sift;
+  const SiftFeatures whole = sift.Extract(picture);
+  SiftFeatures inside;  // and not at the window's edge
+  for (size_t i = 0; i < whole.size(); ++i) {
+    const camera::Pixel at = move(whole.keypoints[i].pixel);
+    if (at.x < 30 || at.y < 30 || at.x > window.width - 30 ||
+        at.y > window.height - 30) {
+      continue;
+    }
+    inside.keypoints.push_back(whole.keypoints[i]);
+    inside.descriptors.push_back(whole.descriptors[i]);
+  }
+  ASSERT_GT(inside.size(), 30u);
+  constexpr int kFew = 150;
+  const double as_it_is =
+      ShareFound(inside, sift.Extract(window, {.max_features = kFew}), move, 1);
+  const double reduced = ShareFound(
+      inside,
+      sift.Extract(window, {.max_features = kFew, .least_reduction = 2}), move,
+      1);
+  EXPECT_GT(reduced, 0.9);
+  EXPECT_GT(reduced, as_it_is + 0.1);
+}
+
 TEST(FastSiftTest, UprightFeaturesHaveNoAngle) {
   const SiftFeatures features =
       FastSift().Extract(Picture(), {.upright = true});

@@ -169,12 +169,17 @@ void ScaleSpace::Reduce(const image::ColorImage& image, FloatImage& reduced) {
   }
 }
 
-void ScaleSpace::Assign(const image::ColorImage& image) {
+int ScaleSpace::ReductionOf(int width, int height) {
+  const double pixels = double{1} * width * height;
+  return std::clamp(static_cast<int>(std::ceil(
+                        std::sqrt(pixels / static_cast<double>(kMaxPixels)))),
+                    1, kMaxReduction);
+}
+
+void ScaleSpace::Assign(const image::ColorImage& image, int least_reduction) {
   octave_count_ = 0;
-  const double pixels = double{1} * image.width * image.height;
-  reduction_ = std::clamp(static_cast<int>(std::ceil(std::sqrt(
-                              pixels / static_cast<double>(kMaxPixels)))),
-                          1, kMaxReduction);
+  reduction_ = std::clamp(
+      least_reduction, ReductionOf(image.width, image.height), kMaxReduction);
   int least = std::min(image.width, image.height) / reduction_;
   if (least < kMinOctaveSide_px) return;
   Reduce(image, reduced_);

@@ -50,8 +50,11 @@ class ScaleSpace {
     std::array<FloatImage, kLayers + 2> difference;
   };
 
-  // Brightness is (R + 2 G + B) / 4. Reuses its allocations.
-  void Assign(const image::ColorImage& image);
+  // Brightness is (R + 2 G + B) / 4. The picture is reduced by its size, and by
+  // no less than least_reduction. Reuses its allocations.
+  void Assign(const image::ColorImage& image, int least_reduction = 1);
+  // By how many a picture of this size is reduced.
+  static int ReductionOf(int width, int height);
 
   std::span<const Octave> octaves() const {
     return {octaves_.data(), octave_count_};

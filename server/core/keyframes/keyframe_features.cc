@@ -118,13 +118,13 @@ std::vector<size_t> WithMostMatches(const features::SiftFeatures& features,
 }  // namespace
 
 absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
-    const image::ColorImage& image, features::SiftKind kind, int max_features,
-    features::FastSift& fast_sift) {
+    const image::ColorImage& image, features::SiftKind kind,
+    features::FastSiftOptions fast, features::FastSift& fast_sift) {
   if (kind == features::SiftKind::kFast) {
-    return fast_sift.Extract(
-        image, {.max_features = std::min<int>(max_features, kMaxFastFeatures)});
+    fast.max_features = std::min<int>(fast.max_features, kMaxFastFeatures);
+    return fast_sift.Extract(image, fast);
   }
-  const features::SiftOptions options{.max_features = max_features,
+  const features::SiftOptions options{.max_features = fast.max_features,
                                       .contrast = kSiftContrast};
   if (std::max(image.width, image.height) < kHalvedSide_px) {
     return features::ExtractSift(image, options);

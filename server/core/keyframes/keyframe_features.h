@@ -17,14 +17,15 @@
 namespace treeline::keyframes {
 
 // Up to max_features SIFT features of an image, at its pixels, to be matched
-// with those of keyframes of the same kind. INTERNAL if OpenCV fails.
+// with those of keyframes of the same kind. FastSift's are `options`; OpenCV's
+// heed max_features alone. INTERNAL if OpenCV fails.
 //
 // OpenCV's come with the largest regions first, and of images of 512 pixels and
 // more a side in half their size: that is four times as fast, and the small
 // features that it misses are the least stable ones.
 absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
-    const image::ColorImage& image, features::SiftKind kind, int max_features,
-    features::FastSift& fast_sift);
+    const image::ColorImage& image, features::SiftKind kind,
+    features::FastSiftOptions options, features::FastSift& fast_sift);
 
 // A pixel of a frame, and the point that a keyframe's feature like it stands
 // on.

@@ -6,6 +6,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/keyframes/direct_alignment.h"
 #include "server/core/localizer/parameters.h"
+#include "server/core/localizer/stated_camera.h"
 
 namespace treeline::localizer {
 namespace {
@@ -24,6 +25,15 @@ forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
   return evidence;
 }
 
+// A narrow view sees little of each.
+int AlignedKeyframes(const camera::Camera& stated,
+                     const camera::Camera& learnt) {
+  const int usual = keyframes::AlignmentOptions{}.keyframes;
+  return std::clamp(
+      static_cast<int>(std::min(1000.0, usual * Narrowness(stated, learnt))),
+      usual, std::max<int>(usual, kMaxAlignedKeyframes));
+}
+
 // Whatever else speaks for the pose: it is a picture of the scene that was seen
 // there, or the depth is not the frame's.
 bool ContradictsDepth(const forest::PoseEvidence& evidence) {
@@ -39,6 +49,7 @@ KeyframeVerifier::Create(const forest::ModelFile& model, AlignmentUse use) {
   TL_ASSIGN_OR_RETURN(verifier->keyframes_,
                       keyframes::KeyframeMap::Read(model));
   verifier->use_ = use;
+  verifier->learnt_ = model.info().calibration.color;
   verifier->confidence_ = model.info().confidence.value_or(
       verifier->keyframes_.empty() ? forest::ConfidenceModel::WithoutKeyframes()
                                    : forest::ConfidenceModel::Typical());
@@ -65,8 +76,10 @@ Verdict KeyframeVerifier::Verify(Query& query,
       camera::PoseOfSensor(pose.world_from_camera, calibration.pose_sensor,
                            camera::RgbdSensor::kColor, calibration);
   const std::optional<keyframes::Alignment> aligned =
-      keyframes::AlignToKeyframes(keyframes_, query.pyramid(), query.depth(),
-                                  calibration, world_from_color, {});
+      keyframes::AlignToKeyframes(
+          keyframes_, query.pyramid(), query.depth(), calibration,
+          world_from_color,
+          {.keyframes = AlignedKeyframes(calibration.color, learnt_)});
   if (aligned) {
     verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
     // With less overlap the candidate is surer of the pose.
@@ -86,13 +99,15 @@ Verdict KeyframeVerifier::Verify(Query& query,
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
   verdict.evidence.sigma_m = sigma_m;
   verdict.confidence = confidence_.Probability(verdict.evidence);
-  verdict.reason =
-      ReasonAgainst({.has_enough_inliers = pose.inliers >= kMinAnswerInliers,
-                     .is_determined = sigma_m <= kMaxPositionSigma_m,
-                     .fits_depth = !ContradictsDepth(verdict.evidence),
-                     .is_confident = verdict.confidence >=
-                                     query.options().min_confidence.value_or(
-                                         confidence_.threshold)});
+  verdict.reason = ReasonAgainst(
+      {.has_enough_inliers =
+           pose.inliers >=
+           (candidate.is_matched ? kMinKeyframeInliers : kMinAnswerInliers),
+       .is_determined = sigma_m <= kMaxPositionSigma_m,
+       .fits_depth = !ContradictsDepth(verdict.evidence),
+       .is_confident =
+           verdict.confidence >=
+           query.options().min_confidence.value_or(confidence_.threshold)});
   return verdict;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "common/camera/camera.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/keyframes/keyframe_map.h"
 #include "server/core/localizer/pose_verifier.h"
@@ -37,6 +38,7 @@ class KeyframeVerifier final : public PoseVerifier {
       const pose::PoseWithCovariance& aligned) const;
 
   AlignmentUse use_ = AlignmentUse::kReplaces;
+  camera::Camera learnt_;
   keyframes::KeyframeMap keyframes_;
   forest::ConfidenceModel confidence_;
 };

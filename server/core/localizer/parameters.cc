@@ -33,6 +33,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSufficientConfidence),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
+          base::RowOf(kMaxAlignedKeyframes),
           base::RowOf(kMaxPositionSigma_m),
           base::RowOf(kMinSiftInliers),
           base::RowOf(kFewMatches),
@@ -41,6 +42,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMinFocalSigmas),
           base::RowOf(kMinDoubtfulFocalSigmas),
           base::RowOf(kSameFocal),
+          base::RowOf(kMaxGuessedOffset),
+          base::RowOf(kMinReducedSide_px),
           base::RowOf(kMaxFocalRounds),
           base::RowOf(kOtherTurnOdds)};
 }

@@ -114,12 +114,12 @@ inline constexpr base::Parameter<int> kMinKeyframeMatches{
     .why = "with fewer matches there is nothing to say"};
 inline constexpr base::Parameter<int> kMinKeyframeInliers{
     .name = "min_keyframe_inliers",
-    .value = 15,
+    .value = 10,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why =
-        "a pose that so many matches support is preferred to the "
-        "forest's"};
+        "a pose that fewer matches support is not proposed: of pictures of "
+        "other places up to 7 agree by chance, of mirrored ones up to 14"};
 inline constexpr base::Parameter<double> kKeypointSigma_px{
     .name = "keypoint_sigma",
     .value = 1,
@@ -201,7 +201,9 @@ inline constexpr base::Parameter<int> kMinAnswerInliers{
     .value = 15,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
-    .why = "fewer are no answer, whatever else speaks for it"};
+    .why =
+        "fewer of a forest's samples are no answer, whatever else speaks for "
+        "it"};
 inline constexpr base::Parameter<double> kMinKeyframeOverlap{
     .name = "min_keyframe_overlap",
     .value = 0.1,
@@ -225,6 +227,15 @@ inline constexpr base::Parameter<double> kMinDepthAgreement{
         "if depth agrees with fewer of the points whose brightness does, it "
         "refutes the pose: 3 of 775 right poses, 272 of 292 with another "
         "frame's depth (six scenes)"};
+inline constexpr base::Parameter<int> kMaxAlignedKeyframes{
+    .name = "max_aligned_keyframes",
+    .value = 5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "three are aligned with, and of narrower views than the scene's camera "
+        "has as many more as they are narrower; 6 and 10 do no more for a "
+        "quarter of the picture"};
 inline constexpr base::Parameter<double> kMaxPositionSigma_m{
     .name = "max_position_sigma",
     .value = 0.05,
@@ -282,7 +293,22 @@ inline constexpr base::Parameter<double> kSameFocal{
     .origin = base::ParameterOrigin::kGeometry,
     .why =
         "a stated focal length that differs by more from that of the camera "
-        "that learnt the scene is looked at with matched features, too"};
+        "that learnt the scene may be a guess, and is looked at with matched "
+        "features, too"};
+inline constexpr base::Parameter<double> kMaxGuessedOffset{
+    .name = "max_guessed_offset",
+    .value = 0.05,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "... unless its principal point is further from the middle, in longer "
+        "sides: lenses are mounted within 2 %, guesses are in the middle"};
+inline constexpr base::Parameter<int> kMinReducedSide_px{
+    .name = "min_reduced_side",
+    .value = 90,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a picture is not reduced further for features of the scene's size"};
 inline constexpr base::Parameter<int> kMaxFocalRounds{
     .name = "max_focal_rounds",
     .value = 3,

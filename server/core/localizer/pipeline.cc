@@ -10,6 +10,7 @@
 #include "common/camera/derived_camera.h"
 #include "server/core/localizer/parameters.h"
 #include "server/core/localizer/report.h"
+#include "server/core/localizer/stated_camera.h"
 
 namespace treeline::localizer {
 namespace {
@@ -102,14 +103,6 @@ std::optional<double> OtherFocal(const Selection& selection, bool is_doubtful) {
   return selection.focal->scale;
 }
 
-bool IsOtherFocal(const camera::Camera& stated, const camera::Camera& learnt) {
-  // In pictures of the same longer side.
-  const auto relative = [](const camera::Camera& camera) {
-    return MeanFocal_px(camera) / std::max(camera.width(), camera.height());
-  };
-  return std::abs(std::log(relative(stated) / relative(learnt))) > kSameFocal;
-}
-
 // With the colour camera's focal length times `scale`; depth that is registered
 // to colour has the same camera.
 absl::StatusOr<camera::RgbdCalibration> WithFocal(
@@ -185,9 +178,9 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
       CheckFrame(frame, calibration, method_.depth_use, info().method));
   Pool<QueryScratch>::Lease scratch(scratch_);
   Query query(frame, calibration, method_.depth_use, options, *scratch);
-  if (IsOtherFocal(calibration.color, info().calibration.color)) {
-    query.set_focal_doubtful();
-  }
+  const camera::Camera& learnt = info().calibration.color;
+  if (MayBeGuessed(calibration.color, learnt)) query.set_focal_doubtful();
+  query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
   double focal_scale = 1;
   TL_ASSIGN_OR_RETURN(Selection selection,
                       SelectWithAnyFocal(method_, query, focal_scale));

@@ -93,9 +93,12 @@ absl::StatusOr<const features::SiftFeatures*> Query::keyframe_features(
   if (!keyframe_features_) {
     const int count = kind == features::SiftKind::kFast ? kMaxFastQueryFeatures
                                                         : kMaxQueryFeatures;
-    TL_ASSIGN_OR_RETURN(keyframe_features_,
-                        keyframes::ExtractKeyframeSift(color(), kind, count,
-                                                       scratch_.fast_sift));
+    TL_ASSIGN_OR_RETURN(
+        keyframe_features_,
+        keyframes::ExtractKeyframeSift(
+            color(), kind,
+            {.max_features = count, .least_reduction = feature_reduction_},
+            scratch_.fast_sift));
   }
   return &*keyframe_features_;
 }

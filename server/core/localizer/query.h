@@ -77,10 +77,11 @@ class Query {
   // Other cameras for the same frame, of the same sizes: what does not depend
   // on them is kept.
   void set_calibration(camera::RgbdCalibration calibration);
-  // The stated focal length is not that of the camera that learnt the scene:
-  // it has to be confirmed by features.
+  // The stated focal length may be a guess: it has to be confirmed by features.
   bool is_focal_doubtful() const { return is_focal_doubtful_; }
   void set_focal_doubtful() { is_focal_doubtful_ = true; }
+  // See FeatureReduction; counts for features that are sought afterwards.
+  void set_feature_reduction(int reduction) { feature_reduction_ = reduction; }
   const LocalizeOptions& options() const { return options_; }
   uint64_t seed() const { return options_.seed; }
   const std::stop_token& stop() const { return options_.stop; }
@@ -103,6 +104,7 @@ class Query {
   const LocalizeOptions& options_;
   double pixel_ = 0;
   bool is_focal_doubtful_ = false;
+  int feature_reduction_ = 1;
   QueryScratch& scratch_;
   bool has_image_ = false;
   bool has_pyramid_ = false;

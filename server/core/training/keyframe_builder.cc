@@ -165,7 +165,8 @@ absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
   // Some stand where no depth is.
   TL_ASSIGN_OR_RETURN(
       const features::SiftFeatures found,
-      keyframes::ExtractKeyframeSift(frame.color, kind, 2 * count, fast_sift));
+      keyframes::ExtractKeyframeSift(frame.color, kind,
+                                     {.max_features = 2 * count}, fast_sift));
   const std::vector<geometry::Vec3> in_color =
       registration.PointsInColor(*frame.depth);
   for (size_t i = 0; i < found.size(); ++i) {
