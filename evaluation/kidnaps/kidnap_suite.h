@@ -42,6 +42,9 @@ struct KidnapOptions {
   uint64_t seed = 0;
   double camera_hz = 5;
   bool has_rear_laser = true;
+  // Obstacles are taken from depth pictures too, which are small then; false:
+  // pictures are rendered in full, for questions and checks alone.
+  bool sees_depth = false;
   // It is given so much time after the kidnap (s).
   double patience_s = 90;
   // Drives on to the goal once it is back; otherwise the run ends then.

@@ -48,7 +48,7 @@ class ConfirmingStateTest : public testing::Test {
   RelocalizationTools tools_{
       std::make_shared<const traversability::NavigationMap>(
           *traversability::NavigationMap::Make(TwoRooms())),
-      tracker_, options_};
+      core::RobotModel(), tracker_, options_};
   std::optional<ConfirmingState> confirming_;
   bool can_turn_ = true;
   std::string why_;

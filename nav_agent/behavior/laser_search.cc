@@ -1,5 +1,7 @@
 #include "nav_agent/behavior/laser_search.h"
 
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
@@ -40,6 +42,8 @@ bool LaserSearch::TryUniquePlace(const UniquePlace& place,
   }
   has_told_amcl_ = true;
   holds_unique_place_ = true;
+  has_spread_ = false;
+  was_in_doubt_ = false;
   BreakHold(tools);
   tools.report.Note(
       "recovery", absl::StrCat("scans fit at ", PoseText(pose),
@@ -51,12 +55,14 @@ bool LaserSearch::TryUniquePlace(const UniquePlace& place,
 void LaserSearch::LookEverywhere(RelocalizationTools& tools,
                                  base::MonotonicTime now) {
   holds_unique_place_ = false;
+  was_in_doubt_ = false;
   if (tools.options.method == RelocalizationMethod::kInjectionOnly &&
       tools.tracker.Pose().has_value()) {
     return;
   }
   tools.tracker.StartGlobalLocalization(now);
   has_told_amcl_ = true;
+  has_spread_ = true;
   BreakHold(tools);
 }
 
@@ -79,9 +85,14 @@ bool LaserSearch::Holds(RelocalizationTools& tools, base::MonotonicTime now) {
                       .max_contradicted = options.search_contradicted,
                       .min_judged = MinJudgedOnTrial(options)});
   tools.scans.Count(scan);
+  const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
+  was_in_doubt_ =
+      was_in_doubt_ || (has_spread_ && pose.has_value() && pose->in_doubt);
   const bool is_tight =
-      IsPoseTight(tools.tracker, options.search_share, options.search_std_m) &&
-      tools.tracker.verdict().state != localization::LostState::kLost;
+      IsPoseGathered(tools.tracker, options.search_share,
+                     options.search_std_m) &&
+      tools.tracker.verdict().state != localization::LostState::kLost &&
+      !HasJumped(tools);
   const bool fits = tools.scans.bad() <=
                     kFreeBadScans + kMaxBadScanShare * tools.scans.good();
   if (!is_tight || !fits) {
@@ -92,12 +103,27 @@ bool LaserSearch::Holds(RelocalizationTools& tools, base::MonotonicTime now) {
     if (scan != ScanVerdict::kGood) return false;
     holds_since_ = now;
   }
-  if (base::SecondsBetween(*holds_since_, now) < options.search_hold_s ||
+  if (pose->in_doubt ||
+      base::SecondsBetween(*holds_since_, now) < options.search_hold_s ||
       hold_turned_rad_ < options.search_hold_rad ||
       tools.tracker.verdict().probability > kMaxSearchLostProbability) {
     return false;
   }
-  return IsOnlyPlace(tools);
+  // One scan says less than those of all viewpoints.
+  return was_in_doubt_ || IsOnlyPlace(tools);
+}
+
+bool LaserSearch::HasJumped(RelocalizationTools& tools) {
+  const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
+  const std::optional<localization::TrackedMotion> motion =
+      tools.tracker.Motion();
+  const std::optional<Before> before = std::exchange(before_, std::nullopt);
+  if (!pose.has_value() || !motion.has_value()) return false;
+  before_ = {.pose = pose->pose, .motion = *motion};
+  if (!before.has_value()) return false;
+  return !AreWithin(
+      PropagatedByOdometry(before->pose, before->motion, *motion, *tools.map),
+      pose->pose, localization::kOtherPlace_m, localization::kOtherPlace_rad);
 }
 
 bool LaserSearch::IsOnlyPlace(RelocalizationTools& tools) {
@@ -172,14 +198,34 @@ LaserSearch::Result LaserSearch::Step(const RelocalizationInput& input,
     last_pause_ = input.now;
     return {.outcome = Outcome::kAsks, .wanted = {}};
   }
+  return Move(input, motion, server, tools);
+}
+
+LaserSearch::Result LaserSearch::Move(const RelocalizationInput& input,
+                                      const localization::TrackedMotion& motion,
+                                      const ServerState& server,
+                                      RelocalizationTools& tools) {
+  if (parting_.is_choosing()) {
+    parting_.Step(motion, tools, input.now);
+    return {};
+  }
+  SearchMotion& search = tools.search_motion;
+  // What it drives for has come about.
+  if (search.is_under_way() && PlacesLeft(tools.tracker).size() < 2) {
+    search.EndWay(motion, input.now);
+  }
   const SearchMotion::Result moved =
-      tools.search_motion.Step(motion, input,
-                               {.turn_radps = tools.options.turn_radps,
-                                .move_mps = tools.options.move_mps},
-                               tools.swing);
+      search.Step(motion, input,
+                  {.turn_radps = tools.options.turn_radps,
+                   .move_mps = tools.options.move_mps},
+                  tools.swing);
   Result result = {.outcome = Outcome::kOpen, .wanted = moved.wanted};
   if (moved.has_turned_around) {
     result.outcome = EndTurn(server, tools, input.now);
+  }
+  if (result.outcome == Outcome::kOpen &&
+      (moved.has_turned_around || moved.has_arrived)) {
+    parting_.Begin(motion, moved.was_blocked, tools);
   }
   return result;
 }

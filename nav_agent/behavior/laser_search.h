@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "nav_agent/behavior/parting_drive.h"
 #include "nav_agent/behavior/relocalization_tools.h"
 
 namespace treeline::behavior {
@@ -59,11 +60,18 @@ class LaserSearch {
   void BreakHold(RelocalizationTools& tools);
   // Whether what AMCL has may be believed now.
   bool Holds(RelocalizationTools& tools, base::MonotonicTime now);
+  // What AMCL has is not where the wheels have brought it from what it had a
+  // step ago: another place.
+  bool HasJumped(RelocalizationTools& tools);
   // AMCL's place has held for long enough: whether there are others like it.
   bool IsOnlyPlace(RelocalizationTools& tools);
   bool IsTimeToAsk(const ServerState& server, base::MonotonicTime now) const;
   Outcome EndTurn(const ServerState& server, RelocalizationTools& tools,
                   base::MonotonicTime now);
+  // Turns and ways; to where the places that are left differ.
+  Result Move(const RelocalizationInput& input,
+              const localization::TrackedMotion& motion,
+              const ServerState& server, RelocalizationTools& tools);
 
   base::MonotonicTime began_;
   // The last stand for a picture.
@@ -72,6 +80,18 @@ class LaserSearch {
   bool holds_unique_place_ = false;
   // AMCL was told, or looks everywhere, since the search began.
   bool has_told_amcl_ = false;
+  // AMCL has looked everywhere since it was told last, and what it found was in
+  // doubt: once it is not any more, all other places are excluded by scans from
+  // several viewpoints.
+  bool has_spread_ = false;
+  bool was_in_doubt_ = false;
+  // AMCL's place a step ago, and the wheels' then.
+  struct Before {
+    core::LevelPose pose;
+    localization::TrackedMotion motion;
+  };
+  std::optional<Before> before_;
+  PartingDrive parting_;
   std::optional<base::MonotonicTime> holds_since_;
   // Since then; and of that, when other places were searched for (rad).
   double hold_turned_rad_ = 0;

@@ -1,6 +1,8 @@
 #include "nav_agent/behavior/laser_search.h"
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "nav_agent/behavior/testing_relocalization.h"
@@ -20,16 +22,20 @@ class LaserSearchTest : public testing::Test {
   void Begin(RelocalizationMethod method = RelocalizationMethod::kAmclOnly) {
     RelocalizationBehaviorOptions options;
     options.method = method;
-    tools_.emplace(map_, tracker_, options);
+    tools_.emplace(map_, core::RobotModel(), tracker_, options);
     search_.emplace(*tools_, tracker_.now);
   }
   LaserSearch::Result Step() {
     tracker_.now += std::chrono::milliseconds(25);
     const localization::TrackedMotion motion = *tracker_.Motion();
     search_->AddTurn(motion, *tools_);
-    const LaserSearch::Result result = search_->Step(
-        {.now = tracker_.now, .free_ahead_m = 0}, motion, server_, *tools_);
+    const LaserSearch::Result result =
+        search_->Step({.now = tracker_.now, .free_ahead_m = free_ahead_m_},
+                      motion, server_, *tools_);
     tracker_.Move(kStep_s, result.wanted);
+    for (const RelocalizationNote& note : tools_->report.TakeNotes()) {
+      notes_ += note.text + "\n";
+    }
     return result;
   }
   Outcome Run(double at_most_s) {
@@ -56,6 +62,8 @@ class LaserSearchTest : public testing::Test {
   std::optional<LaserSearch> search_;
   LaserSearch::ServerState server_;
   double took_s_ = 0;
+  double free_ahead_m_ = 0;
+  std::string notes_;
 };
 
 TEST_F(LaserSearchTest, WhatHoldsForLongAndOverATurnIsFound) {
@@ -165,6 +173,81 @@ TEST_F(LaserSearchTest, AsksNowAndThen) {
   // And not while it thinks.
   server_.is_asked = true;
   EXPECT_EQ(Run(20), Outcome::kOpen);
+}
+
+TEST_F(LaserSearchTest, WhatHoldsInDoubtIsFoundWhenTheDoubtEnds) {
+  Begin();
+  search_->LookEverywhere(*tools_, tracker_.now);
+  tracker_.finds = tracker_.truth;
+  tracker_.finds_after_s = 1;
+  tracker_.is_in_doubt = true;
+  // One scan fits another place too; those of all viewpoints do not.
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  EXPECT_EQ(Run(30), Outcome::kOpen);
+  tracker_.is_in_doubt = false;
+  EXPECT_EQ(Run(0.1), Outcome::kFound);
+}
+
+TEST_F(LaserSearchTest, APlaceThatAmclLeavesForAnotherBeginsAnew) {
+  Begin();
+  search_->LookEverywhere(*tools_, tracker_.now);
+  tracker_.finds = tracker_.truth;
+  tracker_.finds_after_s = 1;
+  tracker_.is_in_doubt = true;
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  EXPECT_EQ(Run(10), Outcome::kOpen);
+  // The scans fit there as well.
+  tracker_.believed->map_from_base = *tracker_.alias;
+  tracker_.is_in_doubt = false;
+  EXPECT_EQ(Run(4.8), Outcome::kOpen);
+  EXPECT_EQ(Run(1), Outcome::kFound);
+}
+
+TEST_F(LaserSearchTest, DrivesToWhereThePlacesThatAreLeftDiffer) {
+  Begin();
+  search_->LookEverywhere(*tools_, tracker_.now);
+  tracker_.finds = tracker_.truth;
+  tracker_.finds_after_s = 1;
+  tracker_.is_in_doubt = true;
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  tracker_.others = {
+      {.pose = {.map_from_base = *tracker_.alias, .place = {}}, .share = 0.5}};
+  free_ahead_m_ = 1;
+  // The fake's scan shows things all around: between their points.
+  tools_->robot.half_width_m = 0;
+  // The room on the left has something in its upper right corner.
+  const geometry::Vec2 spot = {4.5, 4.5};
+  tracker_.expected_at = [spot](const core::LevelPose& pose, int directions) {
+    const bool is_there =
+        geometry::Norm(pose.map_from_base.translation - spot) < 1;
+    return std::vector<float>(static_cast<size_t>(directions),
+                              is_there ? 1.0F : 3.0F);
+  };
+  for (double s = 0; s < 40; s += kStep_s) {
+    Step();
+    if (geometry::Norm(tracker_.truth.translation - spot) < 1) break;
+  }
+  EXPECT_LT(geometry::Norm(tracker_.truth.translation - spot), 1);
+  EXPECT_NE(notes_.find("2 places are left"), std::string::npos) << notes_;
+  EXPECT_NE(notes_.find("to where they differ"), std::string::npos) << notes_;
+  // The doubt is over, and what it has held for counts.
+  tracker_.is_in_doubt = false;
+  tracker_.others.clear();
+  EXPECT_EQ(Run(0.1), Outcome::kFound);
+}
+
+TEST_F(LaserSearchTest, WhereNothingDiffersItSaysSoAndLooksOn) {
+  Begin();
+  search_->LookEverywhere(*tools_, tracker_.now);
+  tracker_.finds = tracker_.truth;
+  tracker_.finds_after_s = 1;
+  tracker_.is_in_doubt = true;
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  tracker_.others = {
+      {.pose = {.map_from_base = *tracker_.alias, .place = {}}, .share = 0.5}};
+  EXPECT_EQ(Run(130), Outcome::kTimeIsUp);
+  EXPECT_NE(notes_.find("no view in reach parts them"), std::string::npos)
+      << notes_;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/goal_executor.h"
+#include "nav_agent/behavior/held_search.h"
 #include "nav_agent/behavior/lasers_plane.h"
 #include "nav_agent/behavior/navigator_poses.h"
 #include "nav_agent/behavior/obstacle_discs.h"
@@ -93,6 +94,7 @@ class NavigatorOfParts final : public Navigator {
   // Positions are those of the wheels: where it is on the map is not known.
   bool is_unplaced_ = true;
   bool has_looked_for_itself_ = false;
+  HeldSearch held_;
   std::optional<base::MonotonicTime> last_frame_;
   std::optional<core::LaserScan> last_scan_;
   int64_t front_scans_ = 0;
@@ -188,9 +190,11 @@ std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
   if (!is_unplaced_) return ControlPoseOf(place);
   std::optional<control::ControlPose> pose =
       ControlPoseOf(parts_.tracker->Motion());
-  if (pose.has_value() && place.has_value() &&
-      parts_.lost->state() == RelocalizationState::kConfirming) {
-    pose->supposed = place->pose;
+  const RelocalizationState lost = parts_.lost->state();
+  const bool may_suppose =
+      lost != RelocalizationState::kSearching || held_.MaySuppose(now_);
+  if (pose.has_value() && place.has_value() && may_suppose) {
+    pose->supposed = SupposedPlaces(*place, lost);
   }
   return pose;
 }
@@ -370,8 +374,10 @@ core::VelocityCommand NavigatorOfParts::StepLost(
               RelocalizationStateName(output.state));
   }
   // The frame changes in the next step; until then it only slows down.
-  return parts_.controller->Guard(
+  const core::VelocityCommand allowed = parts_.controller->Guard(
       pose, is_unplaced_ ? output.wanted : core::VelocityCommand{});
+  held_.Step(output.wanted, allowed, now_);
+  return allowed;
 }
 
 void NavigatorOfParts::SetMode(NavigatorMode mode, core::NavigationCause cause,

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 
@@ -62,6 +63,20 @@ std::optional<control::ControlPose> ControlPoseOf(
                               .forward_mps = pose->forward_mps,
                               .yaw_rate_radps = pose->yaw_rate_radps,
                               .map_is_unknown = false};
+}
+
+std::vector<core::LevelPose> SupposedPlaces(
+    const localization::TrackedPose& pose, RelocalizationState state) {
+  if (state == RelocalizationState::kConfirming) return {pose.pose};
+  if (state != RelocalizationState::kSearching || pose.is_searching) return {};
+  // It is not known yet what else is possible.
+  if (pose.in_doubt && pose.place_share == 0) return {};
+  std::vector<core::LevelPose> places;
+  if (pose.place_share >= kSupposedShare) places.push_back(pose.pose);
+  for (const localization::PossiblePlace& other : pose.other_places) {
+    if (other.share >= kSupposedShare) places.push_back(other.pose);
+  }
+  return places;
 }
 
 }  // namespace treeline::behavior

@@ -4,8 +4,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/control/control_pose.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/robot_tracker.h"
@@ -30,6 +32,12 @@ std::optional<control::ControlPose> ControlPoseOf(
 // In the map's.
 std::optional<control::ControlPose> ControlPoseOf(
     const std::optional<localization::TrackedPose>& pose);
+
+// Where a lost robot may be, as far as that is known: the place that it turns
+// to confirm, or those of at least kSupposedShare that its search by laser has
+// left, the likeliest first.
+std::vector<core::LevelPose> SupposedPlaces(
+    const localization::TrackedPose& pose, RelocalizationState state);
 
 }  // namespace treeline::behavior
 

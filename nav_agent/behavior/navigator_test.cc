@@ -418,6 +418,47 @@ TEST_F(NavigatorTest, LostMeansThatTheSearchDrives) {
   EXPECT_FALSE(controller->last_scan_pose->map_is_unknown);
 }
 
+TEST_F(NavigatorTest, InDoubtItKeepsAwayFromWhatAnyPlaceHasAndTheGoalWaits) {
+  MakePlaced();
+  Send({PoseAtPoint(7, 2)});
+  Run(0.1);
+  lost->now_state = RelocalizationState::kSearching;
+  lost->wanted = {.forward_mps = 0.1, .yaw_rate_radps = 0};
+  // It is not known yet what is possible.
+  tracker->place_share = 0;
+  Run(0.05);
+  EXPECT_TRUE(controller->last_guarded->supposed.empty());
+  // Places that are hardly possible do not count.
+  tracker->place_share = 0.5;
+  tracker->others = {{.pose = PoseAtPoint(8, 3), .share = 0.3},
+                     {.pose = PoseAtPoint(8, 2), .share = 0.2}};
+  Run(0.05);
+  ASSERT_EQ(controller->last_guarded->supposed.size(), 2u);
+  EXPECT_EQ(controller->last_guarded->supposed[0], *tracker->pose);
+  EXPECT_EQ(controller->last_guarded->supposed[1], PoseAtPoint(8, 3));
+  tracker->place_share = 0.2;
+  tracker->others[0].share = 0.8;
+  Run(0.05);
+  ASSERT_EQ(controller->last_guarded->supposed.size(), 1u);
+  EXPECT_EQ(controller->last_guarded->supposed[0], PoseAtPoint(8, 3));
+  // The search drives, not the goal, for however long.
+  Run(5);
+  EXPECT_EQ(mode(), NavigatorMode::kRelocalizing);
+  EXPECT_EQ(Last().forward_mps, 0.1);
+  EXPECT_EQ(Goal().state, GoalState::kActive);
+  // The doubt is over: on to the goal, from where it turned out to be.
+  tracker->place_share = 1;
+  tracker->others.clear();
+  tracker->pose = PoseAtPoint(8, 8);
+  lost->now_state = RelocalizationState::kFound;
+  Run(0.025);
+  lost->now_state = RelocalizationState::kIdle;
+  Run(0.05);
+  EXPECT_EQ(mode(), NavigatorMode::kDriving);
+  EXPECT_EQ(controller->path.front().map_from_base.translation.x, 8);
+  EXPECT_EQ(controller->path.back().map_from_base.translation.x, 7);
+}
+
 TEST_F(NavigatorTest, APersonMayAskItToFindItself) {
   MakePlaced();
   navigator->FindYourself();

@@ -113,7 +113,7 @@ class PlaceCheckTest : public testing::Test {
       std::make_shared<const traversability::NavigationMap>(
           *traversability::NavigationMap::Make(TwoRooms()));
   RelocalizationBehaviorOptions options_;
-  RelocalizationTools tools_{map_, tracker_, options_};
+  RelocalizationTools tools_{map_, core::RobotModel(), tracker_, options_};
   FixChecker checker_{map_, core::RobotModel(), options_.gate};
   ServerQuestion question_{&server_, 3};
   PlaceCheck check_{20};

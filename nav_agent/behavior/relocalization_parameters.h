@@ -159,6 +159,25 @@ inline constexpr base::Parameter<double> kMaxBadScanShare{
 inline constexpr base::Parameter<int> kFreeBadScans{
     "free_bad_scans", 2, "", base::ParameterOrigin::kTuned,
     "that do not count"};
+inline constexpr base::Parameter<double> kSupposedShare{
+    "supposed_share", 0.25, "", base::ParameterOrigin::kPhysics,
+    "of a place that is left, from which on what the map has about it is kept "
+    "away from: four at most, which bounds what a step costs"};
+inline constexpr base::Parameter<double> kPartingMinShare{
+    "parting_min_share", 0.02, "", base::ParameterOrigin::kTuned,
+    "of a place that views are to part from others: the rest goes by itself"};
+inline constexpr base::Parameter<double> kPartingShare{
+    "parting_share", 0.1, "", base::ParameterOrigin::kTuned,
+    "of the beams: two places of which so many differ are parted by 1 - 1/e"};
+inline constexpr base::Parameter<double> kPartingCost_per_m{
+    "parting_cost", 0.03, "1/m", base::ParameterOrigin::kTuned,
+    "of the way to a view, in its gain"};
+inline constexpr base::Parameter<size_t> kPartingPlaces{
+    "parting_places", 6, "", base::ParameterOrigin::kPhysics,
+    "the likeliest: bounds what a view costs"};
+inline constexpr base::Parameter<int> kPartingBeams{
+    "parting_beams", 72, "", base::ParameterOrigin::kPhysics,
+    "of an expected scan: bounds what a view costs"};
 inline constexpr base::Parameter<double> kCameFrom_rad{
     "came_from", 0.8, "rad", base::ParameterOrigin::kTuned,
     "around straight back"};
@@ -266,6 +285,14 @@ inline constexpr double kSecondView_rad = 2 * kOtherView_rad;
 inline constexpr double kSecondViewWidth_rad = kOtherView_rad;
 // As slow as where there is no room: the map is not known.
 inline constexpr double kRecoveryMove_mps = control::kSlowSpeed_mps;
+// On a way that the map has free wherever the robot may be it is faster.
+inline constexpr double kKnownWayMove_mps = 3 * control::kSlowSpeed_mps;
+// Views that part places are looked for as far as two windows reach (m).
+inline constexpr double kPartingReach_m = 2 * control::kCostmapSize_m;
+// A view that parts places is worth as much as a picture.
+inline constexpr double kMinPartingGain = 2 * kRefusedPromise;
+// Room beside the robot on such a way: a cell of the costmap (m).
+inline constexpr double kPartingRoom_m = control::kCostmapResolution_m;
 // Turns of a robot that does not know its place are those of one near its goal.
 inline constexpr double kTurnGain_per_s = control::kGoalGain_hz;
 inline constexpr double kTurnTolerance_rad = control::kAlignUntil_rad;
@@ -283,6 +310,8 @@ inline constexpr double kMaxConfirming_s = kFullTurn_s;
 inline constexpr double kConfirmTurn_radps = control::kGoalTurn_radps;
 // Scans that are apart by half of what a camera sees are of something else.
 inline constexpr double kNewViewTurn_rad = kHalfView_rad;
+// Who has not turned for so long is held to both sides, for certain.
+inline constexpr double kSearchHeld_s = 4 * kSwingBlocked_s;
 // What held the robot counts from the same place only, and it keeps away from
 // that by what is no progress.
 inline constexpr double kHeldPlace_m = control::kGotOn_m;

@@ -17,7 +17,7 @@ RelocalizationStateMachine::RelocalizationStateMachine(
     const core::RobotModel& robot, localization::RobotTracker& tracker,
     core::RelocalizationPort* server,
     const RelocalizationBehaviorOptions& options)
-    : tools_(map, tracker, options),
+    : tools_(map, robot, tracker, options),
       checker_(std::move(map), robot, options.gate),
       question_(
           options.method == RelocalizationMethod::kServer ? server : nullptr,

@@ -38,9 +38,11 @@ class RelocalizationReport {
 struct RelocalizationTools {
   RelocalizationTools(
       std::shared_ptr<const traversability::NavigationMap> navigation_map,
+      const core::RobotModel& robot_model,
       localization::RobotTracker& robot_tracker,
       const RelocalizationBehaviorOptions& recovery_options)
       : map(std::move(navigation_map)),
+        robot(robot_model),
         tracker(robot_tracker),
         options(recovery_options),
         unique(robot_tracker,
@@ -50,6 +52,7 @@ struct RelocalizationTools {
                 .margin = recovery_options.alias_margin}) {}
 
   std::shared_ptr<const traversability::NavigationMap> map;
+  core::RobotModel robot;
   localization::RobotTracker& tracker;
   const RelocalizationBehaviorOptions options;
   RelocalizationReport report;

@@ -46,13 +46,18 @@ double TurnMeter::Add_rad(double yaw_rad) {
   return turned_rad;
 }
 
-bool IsPoseTight(const localization::RobotTracker& tracker, double min_share,
-                 double max_std_m) {
+bool IsPoseGathered(const localization::RobotTracker& tracker, double min_share,
+                    double max_std_m) {
   const std::optional<localization::TrackedPose> pose = tracker.Pose();
   return pose.has_value() && pose->share >= min_share && !pose->is_searching &&
-         !pose->in_doubt &&
          std::sqrt(std::max(pose->covariance[0], pose->covariance[4])) <=
              max_std_m;
+}
+
+bool IsPoseTight(const localization::RobotTracker& tracker, double min_share,
+                 double max_std_m) {
+  return IsPoseGathered(tracker, min_share, max_std_m) &&
+         !tracker.Pose()->in_doubt;
 }
 
 }  // namespace treeline::behavior

@@ -57,8 +57,12 @@ class TurnMeter {
   std::optional<double> last_yaw_rad_;
 };
 
-// AMCL is sure of one place: at least this share of its weight is there, within
-// this standard deviation, and it does not look everywhere.
+// AMCL's particles have gathered at one place: at least this share of the
+// weight is there, within this standard deviation, and it does not look
+// everywhere. Whether it is the right one of several is not asked.
+bool IsPoseGathered(const localization::RobotTracker& tracker, double min_share,
+                    double max_std_m);
+// The same, and no other place is possible.
 bool IsPoseTight(const localization::RobotTracker& tracker, double min_share,
                  double max_std_m);
 

@@ -87,6 +87,8 @@ TEST_F(ScanWatchTest, APoseIsTightInOnePlaceOnly) {
   tracker_.searches = false;
   tracker_.is_in_doubt = true;
   EXPECT_FALSE(IsPoseTight(tracker_, 0, 0.3));
+  // The particles are at one place all the same.
+  EXPECT_TRUE(IsPoseGathered(tracker_, 0.8, 0.3));
   tracker_.is_in_doubt = false;
   tracker_.believed.reset();
   EXPECT_FALSE(IsPoseTight(tracker_, 0, 1));

@@ -16,6 +16,21 @@ void SearchMotion::Begin(base::MonotonicTime now) {
   turned_rad_ = 0;
   turns_ = 0;
   best_free_m_ = 0;
+  ordered_.reset();
+}
+
+void SearchMotion::GoTo(double yaw_in_odom_rad, double way_m, double move_mps,
+                        const localization::TrackedMotion& motion,
+                        base::MonotonicTime now) {
+  ordered_ = {.yaw_rad = yaw_in_odom_rad, .way_m = way_m, .move_mps = move_mps};
+  NextLeg(Leg::kFace, motion, now);
+}
+
+void SearchMotion::EndWay(const localization::TrackedMotion& motion,
+                          base::MonotonicTime now) {
+  ordered_.reset();
+  best_free_m_ = 0;
+  NextLeg(Leg::kTurn, motion, now);
 }
 
 void SearchMotion::NextLeg(Leg leg, const localization::TrackedMotion& motion,
@@ -23,7 +38,19 @@ void SearchMotion::NextLeg(Leg leg, const localization::TrackedMotion& motion,
   leg_ = leg;
   leg_since_ = now;
   leg_from_ = motion.odom_from_base;
+  held_since_.reset();
   turned_rad_ = 0;
+}
+
+bool SearchMotion::IsHeld(const localization::TrackedMotion& motion,
+                          base::MonotonicTime now) {
+  if (std::abs(motion.yaw_rate_radps) > kStandstillYawRate_radps) {
+    held_since_.reset();
+  } else if (!held_since_.has_value()) {
+    held_since_ = now;
+  }
+  return held_since_.has_value() &&
+         base::SecondsBetween(*held_since_, now) > kTurnStart_s;
 }
 
 bool SearchMotion::IsStuck(base::MonotonicTime now) const {
@@ -41,7 +68,7 @@ SearchMotion::Result SearchMotion::Step(
     case Leg::kMove:
       break;
   }
-  return {.wanted = Move(motion, input, speeds.move_mps)};
+  return Move(motion, input, speeds.move_mps);
 }
 
 SearchMotion::Result SearchMotion::Turn(
@@ -68,33 +95,37 @@ SearchMotion::Result SearchMotion::Turn(
 core::VelocityCommand SearchMotion::Face(
     const localization::TrackedMotion& motion, base::MonotonicTime now,
     double turn_radps) {
-  if (best_free_m_ < 2 * kMinSearchMove_m || IsStuck(now)) {
-    best_free_m_ = 0;
-    NextLeg(Leg::kTurn, motion, now);
+  const bool has_way =
+      ordered_.has_value() || best_free_m_ >= 2 * kMinSearchMove_m;
+  if (!has_way || IsStuck(now) || IsHeld(motion, now)) {
+    EndWay(motion, now);
     return {};
   }
-  if (std::abs(geometry::NormalizedAngle_rad(best_free_yaw_rad_ -
-                                             motion.odom_from_base.yaw_rad)) >
-      kTurnTolerance_rad) {
-    return TurnTowards(best_free_yaw_rad_, motion, turn_radps);
+  const double yaw_rad =
+      ordered_.has_value() ? ordered_->yaw_rad : best_free_yaw_rad_;
+  if (std::abs(geometry::NormalizedAngle_rad(
+          yaw_rad - motion.odom_from_base.yaw_rad)) > kTurnTolerance_rad) {
+    return TurnTowards(yaw_rad, motion, turn_radps);
   }
-  leg_m_ = best_free_m_ - kMinSearchMove_m;
+  leg_m_ =
+      ordered_.has_value() ? ordered_->way_m : best_free_m_ - kMinSearchMove_m;
   NextLeg(Leg::kMove, motion, now);
   return {};
 }
 
-core::VelocityCommand SearchMotion::Move(
+SearchMotion::Result SearchMotion::Move(
     const localization::TrackedMotion& motion, const RelocalizationInput& input,
     double move_mps) {
   const double moved_m =
       geometry::Norm(motion.odom_from_base.translation - leg_from_.translation);
-  if (moved_m >= leg_m_ || input.free_ahead_m < kMinSearchMove_m ||
-      IsStuck(input.now)) {
-    best_free_m_ = 0;
-    NextLeg(Leg::kTurn, motion, input.now);
-    return {};
+  const bool is_there = moved_m >= leg_m_;
+  if (is_there || input.free_ahead_m < kMinSearchMove_m || IsStuck(input.now)) {
+    EndWay(motion, input.now);
+    return {.wanted = {}, .has_arrived = true, .was_blocked = !is_there};
   }
-  return {.forward_mps = move_mps, .yaw_rate_radps = 0};
+  return {.wanted = {.forward_mps =
+                         ordered_.has_value() ? ordered_->move_mps : move_mps,
+                     .yaw_rate_radps = 0}};
 }
 
 }  // namespace treeline::behavior

@@ -4,6 +4,7 @@
 #define NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 
 #include <cstdint>
+#include <optional>
 
 #include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/behavior/swing_motion.h"
@@ -23,6 +24,10 @@ class SearchMotion {
     core::VelocityCommand wanted;
     // A full turn has ended in this step.
     bool has_turned_around = false;
+    // A move has.
+    bool has_arrived = false;
+    // It has because something came in its way.
+    bool was_blocked = false;
   };
 
   void Begin(base::MonotonicTime now);
@@ -31,6 +36,15 @@ class SearchMotion {
   void Resume(base::MonotonicTime now) { leg_since_ = now; }
   // The place that it was at was wrong: what it passed since counts as seen.
   void CountOneTurn() { turns_ = 1; }
+  // Next it faces this direction (rad, of the odometry) and moves so far, at
+  // this speed: somebody knows more of the way than what is free ahead.
+  void GoTo(double yaw_in_odom_rad, double way_m, double move_mps,
+            const localization::TrackedMotion& motion, base::MonotonicTime now);
+  // On a way of GoTo.
+  bool is_under_way() const { return ordered_.has_value(); }
+  // Such a way ends here: a turn begins.
+  void EndWay(const localization::TrackedMotion& motion,
+              base::MonotonicTime now);
   // The robot turned by so much (rad, at least 0).
   void AddTurn(double turned_rad) { turned_rad_ += turned_rad; }
 
@@ -48,8 +62,11 @@ class SearchMotion {
               SwingMotion& swing);
   core::VelocityCommand Face(const localization::TrackedMotion& motion,
                              base::MonotonicTime now, double turn_radps);
-  core::VelocityCommand Move(const localization::TrackedMotion& motion,
-                             const RelocalizationInput& input, double move_mps);
+  // It wants to turn, and has not for long.
+  bool IsHeld(const localization::TrackedMotion& motion,
+              base::MonotonicTime now);
+  Result Move(const localization::TrackedMotion& motion,
+              const RelocalizationInput& input, double move_mps);
   bool IsStuck(base::MonotonicTime now) const;
 
   Leg leg_ = Leg::kTurn;
@@ -57,6 +74,15 @@ class SearchMotion {
   geometry::Rigid2 leg_from_;
   // Of a move.
   double leg_m_ = 0;
+  // What GoTo has ordered.
+  struct Way {
+    double yaw_rad = 0;
+    double way_m = 0;
+    double move_mps = 0;
+  };
+  std::optional<Way> ordered_;
+  // Of a robot that faces its way: since when it has not turned.
+  std::optional<base::MonotonicTime> held_since_;
   // Since the leg began.
   double turned_rad_ = 0;
   // Full turns that ended.

@@ -103,5 +103,64 @@ TEST_F(SearchMotionTest, AnInterruptionDoesNotCount) {
   EXPECT_EQ(turns_, 0);
 }
 
+TEST_F(SearchMotionTest, AnOrderedWayIsDrivenInsteadOfTheFreest) {
+  free_at_ = [](double) { return 1.0; };
+  Run(3);
+  search_.GoTo(-1, 2.5, 0.3, motion_, At(now_s_));
+  EXPECT_TRUE(search_.is_under_way());
+  bool has_arrived = false;
+  double took_s = 0;
+  for (; took_s < 30 && !has_arrived; took_s += kStep_s) {
+    const SearchMotion::Result result = Step();
+    has_arrived = result.has_arrived;
+    EXPECT_FALSE(result.was_blocked);
+  }
+  EXPECT_FALSE(search_.is_under_way());
+  const geometry::Vec2 at = motion_.odom_from_base.translation;
+  // Further than what is free ahead at any moment, and twice as fast.
+  EXPECT_NEAR(geometry::Norm(at), 2.5, 0.02);
+  EXPECT_NEAR(std::atan2(at.y, at.x), -1, 0.15);
+  EXPECT_LT(took_s, 16);
+  // A turn follows.
+  const double yaw_rad = motion_.odom_from_base.yaw_rad;
+  Run(1);
+  EXPECT_GT(std::abs(motion_.odom_from_base.yaw_rad - yaw_rad), 0.5);
+}
+
+TEST_F(SearchMotionTest, AnOrderedWayEndsBeforeWhatComesInItsWay) {
+  free_at_ = [this](double) {
+    return geometry::Norm(motion_.odom_from_base.translation) < 0.6 ? 1.0 : 0.2;
+  };
+  search_.GoTo(1, 2, 0.3, motion_, At(now_s_));
+  SearchMotion::Result result;
+  for (double s = 0; s < 20 && !result.has_arrived; s += kStep_s) {
+    result = Step();
+  }
+  EXPECT_TRUE(result.has_arrived);
+  EXPECT_TRUE(result.was_blocked);
+  EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 0.6, 0.02);
+}
+
+TEST_F(SearchMotionTest, WhoCannotFaceAnOrderedWaySwingsInstead) {
+  is_stuck_ = true;
+  search_.GoTo(1, 2, 0.3, motion_, At(now_s_));
+  Run(1.4);
+  EXPECT_TRUE(search_.is_under_way());
+  Run(0.3);
+  EXPECT_FALSE(search_.is_under_way());
+}
+
+TEST_F(SearchMotionTest, AnOrderedWayCanBeCutShort) {
+  free_at_ = [](double) { return 1.0; };
+  search_.GoTo(0, 2, 0.3, motion_, At(now_s_));
+  Run(1);
+  EXPECT_GT(motion_.odom_from_base.translation.x, 0.2);
+  search_.EndWay(motion_, At(now_s_));
+  EXPECT_FALSE(search_.is_under_way());
+  const geometry::Vec2 at = motion_.odom_from_base.translation;
+  Run(1);
+  EXPECT_EQ(motion_.odom_from_base.translation, at);
+}
+
 }  // namespace
 }  // namespace treeline::behavior

@@ -180,6 +180,9 @@ class FakeTracker final : public localization::RobotTracker {
     tracked.stamp = stamp;
     tracked.pose = *pose;
     tracked.forward_mps = forward_mps;
+    tracked.in_doubt = place_share < 1;
+    tracked.place_share = place_share;
+    tracked.other_places = others;
     return tracked;
   }
   std::optional<localization::TrackedPose> PoseAt(
@@ -206,6 +209,10 @@ class FakeTracker final : public localization::RobotTracker {
       const std::optional<core::LevelPose>& /*than*/) override {}
   bool StepOtherPlaces() override { return true; }
   std::vector<OtherPlace> BestPlaces() const override { return {}; }
+  std::vector<float> ExpectedRanges_m(const core::LevelPose& /*pose*/,
+                                      int /*directions*/) const override {
+    return {};
+  }
   std::optional<base::MonotonicTime> ScanStamp() const override {
     return std::nullopt;
   }
@@ -221,6 +228,9 @@ class FakeTracker final : public localization::RobotTracker {
   int64_t dropped() const override { return 0; }
 
   std::optional<core::LevelPose> pose;
+  // Less than 1: in doubt.
+  double place_share = 1;
+  std::vector<localization::PossiblePlace> others;
   localization::LostVerdict lost;
   base::MonotonicTime stamp;
   double forward_mps = 0;

@@ -64,6 +64,9 @@ class ScriptedTracker : public localization::RobotTracker {
   int told = 0;
   bool searches = false;
   bool is_in_doubt = false;
+  // Other places that are possible, at this moment.
+  std::vector<localization::PossiblePlace> others;
+  std::function<std::vector<float>(const core::LevelPose&, int)> expected_at;
   // AMCL finds this so long after it was spread (s).
   double finds_after_s = 5;
   std::optional<geometry::Rigid2> finds;
@@ -87,6 +90,9 @@ class ScriptedTracker : public localization::RobotTracker {
     truth = truth * step;
     if (alias.has_value()) alias = *alias * step;
     if (finds.has_value()) finds = *finds * step;
+    for (localization::PossiblePlace& other : others) {
+      other.pose.map_from_base = other.pose.map_from_base * step;
+    }
     if (believed.has_value()) {
       believed->map_from_base = believed->map_from_base * step;
     }
@@ -110,6 +116,7 @@ class ScriptedTracker : public localization::RobotTracker {
     believed = pose;
     searches = false;
     is_in_doubt = false;
+    others.clear();
     lost_verdict = {};
     ++told;
     return absl::OkStatus();
@@ -131,7 +138,9 @@ class ScriptedTracker : public localization::RobotTracker {
                                      .yaw_rate_radps = moves.yaw_rate_radps,
                                      .share = searches ? 0.1 : 1.0,
                                      .is_searching = searches,
-                                     .in_doubt = is_in_doubt};
+                                     .in_doubt = is_in_doubt,
+                                     .place_share = is_in_doubt ? 0.5 : 1,
+                                     .other_places = others};
   }
   std::optional<localization::TrackedPose> PoseAt(
       base::MonotonicTime) const override {
@@ -185,6 +194,11 @@ class ScriptedTracker : public localization::RobotTracker {
           {.pose = {.map_from_base = *alias, .place = {}}, .fit = fit});
     }
     return places;
+  }
+  std::vector<float> ExpectedRanges_m(const core::LevelPose& pose,
+                                      int directions) const override {
+    if (expected_at) return expected_at(pose, directions);
+    return {};
   }
   std::optional<base::MonotonicTime> ScanStamp() const override {
     // Ten times a second.

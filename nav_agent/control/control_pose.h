@@ -2,7 +2,7 @@
 #ifndef NAV_AGENT_CONTROL_CONTROL_POSE_H_
 #define NAV_AGENT_CONTROL_CONTROL_POSE_H_
 
-#include <optional>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/geometry/rigid3.h"
@@ -22,9 +22,9 @@ struct ControlPose {
   // what stands there; only what was seen counts. Obstacles are to be cleared
   // when this changes.
   bool map_is_unknown = false;
-  // Where a robot that is lost supposes that it is on the map, to see whether
-  // that holds: what the map has there must not be run into either.
-  std::optional<core::LevelPose> supposed = {};
+  // Where a robot that is lost may be on the map: what the map has there, low
+  // things that no laser sees above all, must not be run into either.
+  std::vector<core::LevelPose> supposed = {};
 };
 
 // The robot in space, on the ground that it stands on.

@@ -166,12 +166,22 @@ void GroundLayer::Spread(const CostmapWindow& window,
 }
 
 void GroundLayer::SpreadLevel(const CostmapWindow& window,
-                              const core::LevelPose& pose) {
+                              const core::LevelPose& pose,
+                              geometry::Vec2 rise) {
   map_is_unknown_ = true;
   robot_height_m_ = pose.place.height_m;
-  ground_.assign(
-      window.cells(),
-      Ground{.level = 0, .height_m = static_cast<float>(pose.place.height_m)});
+  ground_.resize(window.cells());
+  const geometry::Vec2 at = pose.map_from_base.translation;
+  for (int y = 0; y < window.height(); ++y) {
+    for (int x = 0; x < window.width(); ++x) {
+      const geometry::Vec2 off = window.CenterInMap(x, y) - at;
+      // Downhill, the slope may end at any place.
+      const double up_m = std::max(0.0, rise.x * off.x + rise.y * off.y);
+      ground_[window.IndexOf(x, y)] = {
+          .level = 0,
+          .height_m = static_cast<float>(pose.place.height_m + up_m)};
+    }
+  }
   MeasureDistances(window);
 }
 

@@ -29,9 +29,11 @@ class GroundLayer {
 
   // Anew, for a window around a robot at `pose`.
   void Spread(const CostmapWindow& window, const core::LevelPose& pose);
-  // For a robot that is lost the map is not asked: level ground everywhere, at
-  // the height of `pose`.
-  void SpreadLevel(const CostmapWindow& window, const core::LevelPose& pose);
+  // For a robot that is lost the map is not asked: ground everywhere, level at
+  // the height of `pose`, but uphill of a robot that stands on a slope. rise:
+  // of that slope, along the map's axes (m/m).
+  void SpreadLevel(const CostmapWindow& window, const core::LevelPose& pose,
+                   geometry::Vec2 rise = {});
 
   // Of a cell of the window, by its number.
   bool IsGround(size_t i) const { return ground_[i].level >= 0; }

@@ -65,11 +65,11 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                       .margin_m = unseen.is_new ? options.new_margin_m
                                                 : options.cell_margin_m});
   }
-  if (pose.supposed.has_value()) {
+  for (const core::LevelPose& supposed : pose.supposed) {
     const geometry::Rigid2 base_from_supposed =
-        pose.supposed->map_from_base.Inverse();
+        supposed.map_from_base.Inverse();
     for (const geometry::Vec2& in_map :
-         costmap.MapObstacles(*pose.supposed, reach_m)) {
+         costmap.MapObstacles(supposed, reach_m)) {
       points.push_back({.in_base = base_from_supposed * in_map,
                         .margin_m = options.cell_margin_m});
     }

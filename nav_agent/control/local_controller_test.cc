@@ -317,9 +317,9 @@ TEST(LocalController, GuardHeedsTheMapWhereALostRobotSupposesThatItIs) {
     for (int i = 0; i < 120; ++i) {
       pose.stamp += std::chrono::milliseconds(25);
       if (supposes) {
-        pose.supposed = core::LevelPose{
-            .map_from_base = map_from_odom * pose.pose.map_from_base,
-            .place = pose.pose.place};
+        pose.supposed = {
+            {.map_from_base = map_from_odom * pose.pose.map_from_base,
+             .place = pose.pose.place}};
       }
       EXPECT_TRUE(drive.controller()
                       .AddScan(pose, TestingScan(pose, NothingThere))

@@ -12,6 +12,17 @@
 
 namespace treeline::control {
 
+namespace {
+
+// Of the ground that the robot stands on, along the map's axes (m/m).
+geometry::Vec2 RiseUnder(const ControlPose& pose) {
+  const geometry::Vec3 up =
+      MapFromBase3(pose).rotation * geometry::Vec3{0, 0, 1};
+  return {-up.x / up.z, -up.y / up.z};
+}
+
+}  // namespace
+
 absl::Status LocalCostmapOptions::Validate() const {
   if (!(length_m >= 1 && length_m <= 20 && width_m >= 1 && width_m <= 20)) {
     return absl::InvalidArgumentError(
@@ -85,6 +96,8 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
   if (control_pose.map_is_unknown != ground_.map_is_unknown()) {
     placed_at_.reset();
   }
+  const geometry::Vec2 rise =
+      control_pose.map_is_unknown ? RiseUnder(control_pose) : geometry::Vec2();
   const CostmapWindow window =
       window_.CenteredAt(pose.map_from_base.translation);
   if (placed_at_.has_value()) {
@@ -93,7 +106,8 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
         pose.place.level != placed_at_->place.level ||
         std::abs(pose.place.height_m - placed_at_->place.height_m) >
             kClimbVoxels * map_resolution_m_;
-    if (!rolls && !climbs) {
+    const bool tilts = geometry::Norm(rise - placed_rise_) > kNewRise;
+    if (!rolls && !climbs && !tilts) {
       zones_.LetOut(window_, ground_, pose);
       return;
     }
@@ -103,8 +117,9 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
   }
   window_ = window;
   placed_at_ = pose;
+  placed_rise_ = rise;
   if (control_pose.map_is_unknown) {
-    ground_.SpreadLevel(window_, pose);
+    ground_.SpreadLevel(window_, pose, rise);
   } else {
     ground_.Spread(window_, pose);
   }

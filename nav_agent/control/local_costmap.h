@@ -141,6 +141,8 @@ class LocalCostmap {
   CostmapWindow window_;
   // The robot's pose when the ground was spread; none: it has to be.
   std::optional<core::LevelPose> placed_at_;
+  // Of a robot that is lost: the slope that it stood on then (m/m).
+  geometry::Vec2 placed_rise_;
   GroundLayer ground_;
   ZoneLayer zones_;
   ObstacleLayer obstacles_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "gtest/gtest.h"
 #include "nav_agent/control/testing_floor.h"
@@ -232,6 +233,26 @@ TEST(LocalCostmap, ALostRobotDoesNotAskTheMap) {
   costmap.MoveTo(pose);
   costmap.Update(pose.stamp);
   EXPECT_EQ(costmap.CellAt({6.5, 6}), LocalCell::kMapObstacle);
+}
+
+TEST(LocalCostmap, ALostRobotOnARampSeesTheRampAsGround) {
+  LocalCostmap costmap = MakeCostmap(TestingFloor());
+  ControlPose pose = TestingPose(6, 6);
+  pose.map_is_unknown = true;
+  costmap.MoveTo(pose);
+  EXPECT_EQ(costmap.GroundAt({7.5, 6})->height_m, 0);
+  // Nose up by 0.1 rad, where it stands: uphill is ahead.
+  pose.level_from_base = geometry::Rotation3::FromAxisAngle({0, -0.1, 0});
+  costmap.MoveTo(pose);
+  EXPECT_NEAR(costmap.GroundAt({7.5, 6})->height_m, 0.15, 0.005);
+  EXPECT_NEAR(costmap.GroundAt({7.5, 7})->height_m, 0.15, 0.005);
+  // What is behind may be lower; it is no obstacle either way.
+  EXPECT_EQ(costmap.GroundAt({4.5, 6})->height_m, 0);
+  // To the left, for a robot that has turned.
+  pose.pose.map_from_base.yaw_rad = std::numbers::pi / 2;
+  costmap.MoveTo(pose);
+  EXPECT_NEAR(costmap.GroundAt({6, 7.5})->height_m, 0.15, 0.005);
+  EXPECT_NEAR(costmap.GroundAt({7.5, 6})->height_m, 0, 0.005);
 }
 
 // A camera 1 m high that looks straight down from 1 m before the base sees the

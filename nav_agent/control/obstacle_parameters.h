@@ -161,6 +161,9 @@ inline constexpr double kMaxApproach_m = kLaserNoise_m / 2;
 inline constexpr double kManoeuvreRoom_m = kPointMargin_m + kSweepStep_m;
 // What ends lower above the ground is ground: two voxels (m).
 inline constexpr double kGroundTolerance_m = 2 * kCostmapResolution_m;
+// Ground is spread anew before what is at the window's edge, half its width
+// away, is half a cell off (m/m).
+inline constexpr double kNewRise = kCostmapResolution_m / kCostmapSize_m;
 // Longer ago is not this moment: six scans (s).
 inline constexpr double kSeenNow_s = 6 * kCycle_s;
 // The slowest sensor, the camera, has shown it again by then (s).

@@ -11,6 +11,7 @@
 #include "nav_agent/localization/covariance_root.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
+#include "nav_agent/localization/upright_points.h"
 
 namespace treeline::localization {
 namespace {
@@ -18,16 +19,6 @@ namespace {
 bool IsFinite(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
-}
-
-// Beams that end on the ground fit anywhere and nowhere.
-ScanPoints Upright(const ScanPoints& points) {
-  if (!points.has_heights()) return points;
-  ScanPoints upright;
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (points.z_m[i] > kGroundEnd_m) upright.Add(points, i);
-  }
-  return upright;
 }
 
 }  // namespace
@@ -226,12 +217,7 @@ void Amcl::Gather(const geometry::Rigid2& map_from_base,
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
     base::Random random(seed_ + draws_, i);
-    std::array<double, 3> normal{};
-    for (double& value : normal) value = random.NextGaussian();
-    std::array<double, 3> away{};
-    for (size_t a = 0; a < 3; ++a) {
-      for (size_t b = 0; b <= a; ++b) away[a] += root[3 * a + b] * normal[b];
-    }
+    const std::array<double, 3> away = DrawFrom(root, random);
     particles_[i] = {.map_from_base = {map_from_base.translation +
                                            geometry::Vec2{away[0], away[1]},
                                        geometry::NormalizedAngle_rad(
@@ -289,8 +275,9 @@ absl::Status Amcl::Begin(const geometry::Rigid2& odom_from_base,
   if (is_due && points.size() > 0) {
     Weigh(points);
     if (places_.in_doubt()) {
-      places_.AddScan(odom_from_base,
-                      levels_ == nullptr ? points : Upright(points));
+      places_.AddScan(
+          odom_from_base,
+          levels_ == nullptr ? points : UprightPoints(points, kGroundEnd_m));
     }
     is_weighed_ = true;
     odom_at_scan_ = odom_from_base;
@@ -305,10 +292,20 @@ std::optional<PlanarEstimate> Amcl::Settle() {
   if (particles_.empty()) return std::nullopt;
   if (std::exchange(is_weighed_, false)) Resample();
   UpdateEstimate();
-  if (places_.in_doubt() && !is_searching_ && odom_from_base_.has_value()) {
-    Doubt();
-  }
+  if (MayDoubt()) Doubt();
   return estimate_;
+}
+
+std::optional<PlanarEstimate> Amcl::Ponder() {
+  if (!is_settled_ || particles_.empty() || !MayDoubt()) return std::nullopt;
+  Doubt();
+  return estimate_;
+}
+
+// A search that it has begun by itself is likely to end where it was.
+bool Amcl::MayDoubt() const {
+  return places_.in_doubt() && odom_from_base_.has_value() &&
+         (!is_searching_ || !sure_before_.has_value());
 }
 
 void Amcl::Move(const geometry::Rigid2& before_from_after) {
@@ -512,12 +509,17 @@ void Amcl::Doubt() {
   if (IsWhereItWasSure()) {
     places_.EndDoubt();
   } else {
+    std::optional<core::LevelPose> believed;
+    if (!is_searching_) {
+      believed = {.map_from_base = estimate_.map_from_base,
+                  .place = estimate_.place};
+    }
     places_.Step(
         {.field = &field(), .places = search_places_, .levels = levels_.get()},
-        *odom_from_base_,
-        {.map_from_base = estimate_.map_from_base, .place = estimate_.place});
+        *odom_from_base_, believed);
     const std::optional<core::LevelPose> better =
-        places_.Better(*odom_from_base_);
+        is_searching_ ? places_.Best(*odom_from_base_)
+                      : places_.Better(*odom_from_base_);
     if (better.has_value()) {
       constexpr double kM = kRegularization_m;
       Gather(better->map_from_base,
@@ -530,7 +532,8 @@ void Amcl::Doubt() {
 
 void Amcl::NoteDoubt(PlanarEstimate& estimate) const {
   estimate.in_doubt = places_.in_doubt();
-  estimate.place_share = places_.share();
+  estimate.place_share =
+      estimate.in_doubt && is_searching_ ? 0 : places_.share();
   if (odom_from_base_.has_value()) {
     estimate.other_places = places_.Others(*odom_from_base_, kOtherPlacesShown);
   }

@@ -183,6 +183,11 @@ class Amcl {
                      const ScanPoints& points);
   std::optional<PlanarEstimate> Settle();
   bool is_settled() const { return is_settled_; }
+  // Between scans, while in doubt: goes on looking for places by a slice (about
+  // 2 ms), of which a search over a large map needs many. The estimate, of the
+  // moment of the last Update or Begin; nullopt without doubt, or when a scan
+  // was begun and not settled.
+  std::optional<PlanarEstimate> Ponder();
 
   // Takes in the next scan whether or not the robot has moved.
   void ForceNextScan() { force_next_ = true; }
@@ -224,8 +229,9 @@ class Amcl {
   void Roughen(std::vector<Particle>& particles);
   void UpdateEstimate();
   // The places that explain what was seen: goes on comparing, and goes over to
-  // one that is clearly better.
+  // one that is clearly better, or to the best if particles are everywhere.
   void Doubt();
+  bool MayDoubt() const;
   void NoteDoubt(PlanarEstimate& estimate) const;
 
   LikelihoodField field_;

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "common/base/random.h"
+
 namespace treeline::localization {
 
 // The lower triangle L of L L^T = covariance (Cholesky), in its rows; nullopt
@@ -33,6 +35,18 @@ inline std::optional<std::array<double, 9>> SquareRoot(
     }
   }
   return root;
+}
+
+// A draw from the normal distribution of mean 0 whose covariance has this root.
+inline std::array<double, 3> DrawFrom(const std::array<double, 9>& root,
+                                      base::Random& random) {
+  std::array<double, 3> normal{};
+  for (double& value : normal) value = random.NextGaussian();
+  std::array<double, 3> drawn{};
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t k = 0; k <= i; ++k) drawn[i] += root[3 * i + k] * normal[k];
+  }
+  return drawn;
 }
 
 }  // namespace treeline::localization

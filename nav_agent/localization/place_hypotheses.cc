@@ -222,18 +222,22 @@ void PlaceHypotheses::AddScan(const geometry::Rigid2& odom_from_base,
 
 void PlaceHypotheses::Step(const PlaceMap& map,
                            const geometry::Rigid2& odom_from_base,
-                           const core::LevelPose& believed) {
+                           const std::optional<core::LevelPose>& believed) {
   if (!in_doubt_ || viewpoints_.empty()) return;
   if (map.levels == nullptr && ground_.is_empty()) {
     ground_ = GroundSquares(*map.places);
   }
   budget_ = static_cast<int64_t>(options_.slice);
-  FindBelieved(map, odom_from_base, believed);
+  if (believed.has_value()) {
+    FindBelieved(map, odom_from_base, *believed);
+  } else {
+    BelieveBest();
+  }
   ExtendAll(map);
   Exclude();
   if (std::exchange(has_new_viewpoint_, false)) MergeTwins();
   StepSearch(map);
-  Judge();
+  Judge(believed.has_value());
 }
 
 // ---- parts of a step ----
@@ -276,7 +280,17 @@ void PlaceHypotheses::FindBelieved(const PlaceMap& map,
   believed_ = *found;
 }
 
+void PlaceHypotheses::BelieveBest() {
+  if (against_.size() != hypotheses_.size() || hypotheses_.empty()) return;
+  // Evidence is against the believed place: what that had excluded, a better
+  // one excludes as well.
+  const auto best = static_cast<size_t>(std::ranges::min_element(against_) -
+                                        against_.begin());
+  if (against_[best] < 0) believed_ = best;
+}
+
 void PlaceHypotheses::ExtendAll(const PlaceMap& map) {
+  if (hypotheses_.empty()) return;
   // What all are compared with first.
   Hypothesis& believed = hypotheses_[believed_];
   while (!IsComplete(believed) && budget_ > 0) Extend(map, believed);
@@ -400,21 +414,22 @@ void PlaceHypotheses::TakeCandidates(const PlaceMap& map) {
   if (candidates_.empty() && is_search_whole_) ++searches_done_;
 }
 
-void PlaceHypotheses::Judge() {
+bool PlaceHypotheses::IsCompared() const {
+  return candidates_.empty() && against_.size() == hypotheses_.size() &&
+         std::ranges::all_of(hypotheses_, [this](const Hypothesis& one) {
+           return IsComplete(one);
+         });
+}
+
+void PlaceHypotheses::Judge(bool may_end) {
   double others = 0;
-  bool is_complete = true;
   for (size_t i = 0; i < hypotheses_.size(); ++i) {
-    if (!IsComplete(hypotheses_[i])) {
-      is_complete = false;
-    } else if (i != believed_) {
+    if (i != believed_ && IsComplete(hypotheses_[i])) {
       others += std::exp(std::min(-against_[i], 50.0));
     }
   }
   share_ = searches_done_ > 0 ? 1 / (1 + others) : 0;
-  if (!is_complete || !candidates_.empty() ||
-      searches_done_ < options_.searches) {
-    return;
-  }
+  if (!may_end || !IsCompared() || searches_done_ < options_.searches) return;
   const core::LevelPose& here = hypotheses_[believed_].fits.back().pose;
   const bool is_alone =
       std::ranges::all_of(hypotheses_, [&here](const Hypothesis& other) {
@@ -437,6 +452,17 @@ std::vector<PossiblePlace> PlaceHypotheses::Others(
   std::ranges::stable_sort(others, std::greater(), &PossiblePlace::share);
   if (others.size() > at_most) others.resize(at_most);
   return others;
+}
+
+std::optional<core::LevelPose> PlaceHypotheses::Best(
+    const geometry::Rigid2& odom_from_base) const {
+  if (hypotheses_.empty() || searches_done_ == 0 || !IsCompared() ||
+      viewpoints_.size() < kSearchViewpoints) {
+    return std::nullopt;
+  }
+  const auto best = static_cast<size_t>(std::ranges::min_element(against_) -
+                                        against_.begin());
+  return PoseOf(hypotheses_[best], odom_from_base);
 }
 
 std::optional<core::LevelPose> PlaceHypotheses::Better(

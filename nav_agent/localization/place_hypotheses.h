@@ -105,9 +105,10 @@ class PlaceHypotheses {
                const ScanPoints& points);
 
   // Goes on by one slice. believed: where the robot is thought to be at
-  // odom_from_base.
+  // odom_from_base; nullopt: nobody knows, so that place is believed which
+  // explains most. The doubt does not end then.
   void Step(const PlaceMap& map, const geometry::Rigid2& odom_from_base,
-            const core::LevelPose& believed);
+            const std::optional<core::LevelPose>& believed);
 
   // The share of the believed place among all that explain what was seen; at
   // most one half while another one explains as much. 1 without doubt; 0 in
@@ -119,6 +120,11 @@ class PlaceHypotheses {
   // Places that are followed, the believed one among them: at most twice as
   // many as candidates, and one.
   size_t size() const { return hypotheses_.size(); }
+  // The place that explains most, at odom_from_base; nullopt until a search of
+  // the whole map has ended and what it found is compared over enough
+  // viewpoints for a search.
+  std::optional<core::LevelPose> Best(
+      const geometry::Rigid2& odom_from_base) const;
   // A place that explains clearly more than the believed one, at
   // odom_from_base: that one is wrong.
   std::optional<core::LevelPose> Better(
@@ -176,6 +182,8 @@ class PlaceHypotheses {
   // ---- parts of a step ----
   void FindBelieved(const PlaceMap& map, const geometry::Rigid2& odom_from_base,
                     const core::LevelPose& believed);
+  // Without one: the place that explains most.
+  void BelieveBest();
   void ExtendAll(const PlaceMap& map);
   void Exclude();
   void MergeTwins();
@@ -184,7 +192,9 @@ class PlaceHypotheses {
   // Of the newest viewpoints, in the frame of the last.
   ScanPoints NewestPoints() const;
   void TakeCandidates(const PlaceMap& map);
-  void Judge();
+  // All that is followed has been compared over all viewpoints.
+  bool IsCompared() const;
+  void Judge(bool may_end);
 
   PlaceHypothesesOptions options_;
   bool in_doubt_ = false;

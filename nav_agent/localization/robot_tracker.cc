@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,6 +20,7 @@
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
 #include "nav_agent/localization/scan_points.h"
+#include "nav_agent/localization/upright_points.h"
 
 namespace treeline::localization {
 namespace {
@@ -65,6 +68,8 @@ class AmclTracker final : public RobotTracker {
   void BeginOtherPlaces(const std::optional<core::LevelPose>& than) override;
   bool StepOtherPlaces() override;
   std::vector<OtherPlace> BestPlaces() const override { return places_; }
+  std::vector<float> ExpectedRanges_m(const core::LevelPose& pose,
+                                      int directions) const override;
   std::optional<base::MonotonicTime> ScanStamp() const override;
   std::vector<geometry::Vec2> ScanInBase() const override;
   std::vector<Particle> Particles(size_t at_most) const override;
@@ -93,6 +98,8 @@ class AmclTracker final : public RobotTracker {
   // What AMCL makes of the scan that was taken in.
   absl::Status Settle();
   absl::Status TakeWaiting();
+  // The estimate may be on another level.
+  void NoteLevel();
   // Brings AMCL's wheels up to date, without a scan.
   void CatchUp();
   void Forget(base::MonotonicTime now);
@@ -122,7 +129,12 @@ absl::Status AmclTracker::AddReading(const core::BaseReading& reading) {
     ++dropped_;
     return added;
   }
-  return TakeWaiting();
+  TL_RETURN_IF_ERROR(TakeWaiting());
+  if (const std::optional<PlanarEstimate> estimate = parts_.amcl.Ponder()) {
+    estimate_ = estimate;
+    NoteLevel();
+  }
+  return absl::OkStatus();
 }
 
 absl::Status AmclTracker::AddScan(const core::LaserScan& scan) {
@@ -198,11 +210,7 @@ absl::Status AmclTracker::Settle() {
   if (!estimate.has_value()) return absl::OkStatus();
   estimate_ = estimate;
   odom_from_base_ = scan_->moment.motion.odom_from_base;
-  if (estimate->place.level != map_level_) {
-    map_level_ = estimate->place.level;
-    parts_.detector.SetChecker(
-        parts_.checkers[static_cast<size_t>(map_level_)]);
-  }
+  NoteLevel();
   return parts_.detector
       .Observe({.stamp = scan_->moment.motion.stamp,
                 .estimate = *estimate,
@@ -211,6 +219,12 @@ absl::Status AmclTracker::Settle() {
                 .roll_rad = scan_->moment.roll_rad},
                scan_->scan)
       .status();
+}
+
+void AmclTracker::NoteLevel() {
+  if (estimate_->place.level == map_level_) return;
+  map_level_ = estimate_->place.level;
+  parts_.detector.SetChecker(parts_.checkers[static_cast<size_t>(map_level_)]);
 }
 
 void AmclTracker::CatchUp() {
@@ -353,12 +367,8 @@ void AmclTracker::BeginOtherPlaces(const std::optional<core::LevelPose>& than) {
       PointsInSpace(scan_->scan, laser_, base_from_laser_,
                     scan_->moment.motion.level_from_base, kScanBeams);
   if (!points.ok()) return;
-  // Beams that end on the ground fit anywhere and nowhere.
-  ScanPoints upright;
-  for (size_t i = 0; i < points->size(); ++i) {
-    if (points->z_m[i] > options_.lost.scan.ground_m) upright.Add(*points, i);
-  }
-  search_.emplace(parts_.amcl.search_places(), std::move(upright), than);
+  search_.emplace(parts_.amcl.search_places(),
+                  UprightPoints(*points, options_.lost.scan.ground_m), than);
 }
 
 bool AmclTracker::StepOtherPlaces() {
@@ -389,6 +399,28 @@ RobotTracker::OtherPlace AmclTracker::Refined(
       },
       [](const core::LevelPose&, const ScanFit& fit) { return FitScore(fit); });
   return {.pose = best.pose, .fit = best.fit};
+}
+
+std::vector<float> AmclTracker::ExpectedRanges_m(const core::LevelPose& pose,
+                                                 int directions) const {
+  std::vector<float> ranges_m;
+  if (pose.place.level < 0 ||
+      pose.place.level >= static_cast<int>(parts_.checkers.size())) {
+    return ranges_m;
+  }
+  const ScanChecker& checker =
+      parts_.checkers[static_cast<size_t>(pose.place.level)];
+  ranges_m.reserve(static_cast<size_t>(directions));
+  for (int i = 0; i < directions; ++i) {
+    const double yaw_rad =
+        pose.map_from_base.yaw_rad + 2 * std::numbers::pi * i / directions;
+    const ScanChecker::Ray ray =
+        checker.Cast(pose.map_from_base.translation,
+                     {std::cos(yaw_rad), std::sin(yaw_rad)}, kViewRange_m);
+    ranges_m.push_back(ray.is_known ? static_cast<float>(ray.range_m)
+                                    : std::numeric_limits<float>::quiet_NaN());
+  }
+  return ranges_m;
 }
 
 std::optional<base::MonotonicTime> AmclTracker::ScanStamp() const {

@@ -117,6 +117,11 @@ class RobotTracker {
     ScanFit fit;
   };
   virtual std::vector<OtherPlace> BestPlaces() const = 0;
+  // What a laser would measure from a place of the map, in so many directions,
+  // evenly spread, counterclockwise from ahead (m): at most
+  // kViewRange_m; NaN where the map does not know. Empty: not on a level.
+  virtual std::vector<float> ExpectedRanges_m(const core::LevelPose& pose,
+                                              int directions) const = 0;
   // The newest scan that was taken in, if there is one.
   virtual std::optional<base::MonotonicTime> ScanStamp() const = 0;
   // Where its beams end, in the frame of the base when that is level (m); those

@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
+#include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "evaluation/kidnaps/kidnap_report.h"
 #include "evaluation/kidnaps/kidnap_server.h"
@@ -102,7 +103,15 @@ absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
   if (flags.spawns_server) {
     std::string models;
     std::vector<std::string> scenes;
+    // A server that never answers needs to know nothing.
+    const bool answers = fault != kidnaps::ServerFault::kKilled &&
+                         fault != kidnaps::ServerFault::kSlow;
+    if (!answers) {
+      models = flags.suite.cache + "/no-models";
+      TL_RETURN_IF_ERROR(base::MakeParentFolder(models + "/none"));
+    }
     for (const std::string& world : flags.suite.worlds) {
+      if (!answers) break;
       const suites::SuiteMapOptions map = MapOptionsOf(flags, world);
       TL_ASSIGN_OR_RETURN(models, suites::ModelsForSuite(map, stop));
       scenes.push_back(suites::SuiteSceneName(map));
@@ -151,6 +160,8 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   options.has_rear_laser = !flags.suite.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
   if (flags.fault == "slow") options.real_timeout_s = 1;
+  // Nobody looks at pictures that nobody answers.
+  options.sees_depth = flags.fault == "killed" || flags.fault == "slow";
   suites::Suite<kidnaps::KidnapRun> suite;
   suite.name = "kidnaps";
   suite.jobs = suites::JobsOf(flags.suite.worlds, seeds);
