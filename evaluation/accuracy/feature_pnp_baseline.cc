@@ -20,6 +20,7 @@
 #include "opencv2/flann.hpp"
 #include "opencv2/imgproc.hpp"
 #include "server/core/features/fast_sift.h"
+#include "server/core/features/opencv_threads.h"
 #include "server/core/features/sift_extractor.h"
 #include "server/core/training/sift_trainer.h"
 #include "server/tools/run_info.h"
@@ -443,7 +444,7 @@ absl::StatusOr<std::unique_ptr<localizer::Localizer>> BuildOrThrow(
     const FeaturePnpOptions& options) {
   const base::SteadyClock clock;
   const base::MonotonicTime start = clock.Now();
-  cv::setNumThreads(1);
+  features::RunOpenCvOnCallingThread();
   const int count = options.keyframes == 0
                         ? training.size()
                         : std::min(options.keyframes, training.size());

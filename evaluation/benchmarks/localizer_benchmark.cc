@@ -24,6 +24,7 @@
 #include "opencv2/core.hpp"
 #include "opencv2/features2d.hpp"
 #include "opencv2/imgproc.hpp"
+#include "server/core/features/opencv_threads.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/features/walsh_hadamard.h"
@@ -100,7 +101,7 @@ BENCHMARK(BM_DecodeJpegAndPng)->Unit(benchmark::kMillisecond);
 void BM_OpenCvSiftExtraction(benchmark::State& state) {
   const Recording& recording = TestFrames();
   if (recording.frames.empty()) return state.SkipWithError(kNoData);
-  cv::setNumThreads(1);
+  features::RunOpenCvOnCallingThread();
   std::vector<cv::Mat> grays;
   for (const image::Frame& frame : recording.frames) {
     const cv::Mat color(frame.color.height, frame.color.width, CV_8UC3,

@@ -193,7 +193,7 @@ absl::StatusOr<std::shared_ptr<const ZoneMap>> ZoneMap::Make(
         level.keep_out, [](uint8_t is) { return is != 0; });
   }
   made->has_keep_out_ = made->kept_out_cells_ > 0;
-  if (!LeavesSomething(map, *made)) {
+  if (made->has_keep_out_ && !LeavesSomething(map, *made)) {
     return absl::InvalidArgumentError(
         "the keep-out zones leave nothing to drive on");
   }

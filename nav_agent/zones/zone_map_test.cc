@@ -1,5 +1,6 @@
 #include "nav_agent/zones/zone_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -187,6 +188,13 @@ TEST(ZoneMapTest, ASpeedMaskOfPercents) {
   const auto zones = ZonesOf(MapOf(1, {}), {}, {mask});
   EXPECT_NEAR(zones->MaxSpeed_mps(0, {0.55, 0.55}), 0.3, 1e-6);
   EXPECT_TRUE(std::isinf(zones->MaxSpeed_mps(0, {0.45, 0.55})));
+}
+
+// That is the map's own fault, and is said where the map is used.
+TEST(ZoneMapTest, NoZonesAreNotToBlameForAMapWithoutGround) {
+  auto map = MapOf(1, {});
+  std::ranges::fill(map.levels[0].grid.cells, core::Occupancy::kOccupied);
+  EXPECT_TRUE(ZoneMap::Make(map, {}, {}, kFull_mps).ok());
 }
 
 TEST(ZoneMapTest, WhatMakesNoSenseOnTheMapIsRefused) {

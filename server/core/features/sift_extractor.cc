@@ -9,6 +9,7 @@
 #include "opencv2/core.hpp"
 #include "opencv2/features2d.hpp"
 #include "opencv2/imgproc.hpp"
+#include "server/core/features/opencv_threads.h"
 
 namespace treeline::features {
 namespace {
@@ -51,7 +52,7 @@ bool IsTooSmall(const image::ColorImage& image) {
 SiftFeatures ExtractOrThrow(const image::ColorImage& image,
                             const SiftOptions& options) {
   if (IsTooSmall(image)) return {};
-  cv::setNumThreads(1);
+  RunOpenCvOnCallingThread();
   std::vector<cv::KeyPoint> found;
   cv::Mat rows;
   const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(
@@ -95,7 +96,7 @@ int PackedOctave(float diameter_px) {
 
 std::vector<SiftDescriptor> DescribeOrThrow(
     const image::ColorImage& image, std::span<const SiftKeypoint> keypoints) {
-  cv::setNumThreads(1);
+  RunOpenCvOnCallingThread();
   std::vector<cv::KeyPoint> wanted;
   wanted.reserve(keypoints.size());
   for (size_t i = 0; i < keypoints.size(); ++i) {

@@ -1,8 +1,10 @@
 #include "server/core/features/sift_extractor.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <thread>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -82,6 +84,25 @@ TEST(SiftExtractorTest, RootSiftHasLength512) {
   EXPECT_NEAR(std::sqrt(squares), 512, 6);
   EXPECT_NEAR(double{1} * root.values[4] / root.values[1], 2, 0.05);
   EXPECT_EQ(RootSift(std::vector<float>(128)).values, SiftDescriptor().values);
+}
+
+// OpenCV's number of threads is not to be set by two threads at once: its pool
+// is then taken down twice.
+TEST(SiftExtractorTest, ManyThreadsExtractAtOnce) {
+  const image::ColorImage image = PaintBlobs(RandomBlobs(6, 32, 24), 32, 24);
+  std::atomic<int> failed = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 8; ++i) {
+      threads.emplace_back([&] {
+        for (int k = 0; k < 3000; ++k) {
+          if (!DescribeSift(image, {}).ok()) ++failed;
+        }
+        if (!ExtractSift(image, {}).ok()) ++failed;
+      });
+    }
+  }
+  EXPECT_EQ(failed, 0);
 }
 
 }  // namespace
