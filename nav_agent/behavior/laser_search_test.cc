@@ -25,6 +25,15 @@ class LaserSearchTest : public testing::Test {
     tools_.emplace(map_, core::RobotModel(), tracker_, options);
     search_.emplace(*tools_, tracker_.now);
   }
+  // AMCL has looked everywhere, and finds two places that are alike.
+  void BeginInDoubt() {
+    Begin();
+    search_->LookEverywhere(*tools_, tracker_.now);
+    tracker_.finds = tracker_.truth;
+    tracker_.finds_after_s = 1;
+    tracker_.is_in_doubt = true;
+    tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  }
   LaserSearch::Result Step() {
     tracker_.now += std::chrono::milliseconds(25);
     const localization::TrackedMotion motion = *tracker_.Motion();
@@ -189,12 +198,7 @@ TEST_F(LaserSearchTest, WhatHoldsInDoubtIsFoundWhenTheDoubtEnds) {
 }
 
 TEST_F(LaserSearchTest, APlaceThatAmclLeavesForAnotherBeginsAnew) {
-  Begin();
-  search_->LookEverywhere(*tools_, tracker_.now);
-  tracker_.finds = tracker_.truth;
-  tracker_.finds_after_s = 1;
-  tracker_.is_in_doubt = true;
-  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  BeginInDoubt();
   EXPECT_EQ(Run(10), Outcome::kOpen);
   // The scans fit there as well.
   tracker_.believed->map_from_base = *tracker_.alias;
@@ -204,12 +208,7 @@ TEST_F(LaserSearchTest, APlaceThatAmclLeavesForAnotherBeginsAnew) {
 }
 
 TEST_F(LaserSearchTest, DrivesToWhereThePlacesThatAreLeftDiffer) {
-  Begin();
-  search_->LookEverywhere(*tools_, tracker_.now);
-  tracker_.finds = tracker_.truth;
-  tracker_.finds_after_s = 1;
-  tracker_.is_in_doubt = true;
-  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  BeginInDoubt();
   tracker_.others = {
       {.pose = {.map_from_base = *tracker_.alias, .place = {}}, .share = 0.5}};
   free_ahead_m_ = 1;
@@ -237,12 +236,7 @@ TEST_F(LaserSearchTest, DrivesToWhereThePlacesThatAreLeftDiffer) {
 }
 
 TEST_F(LaserSearchTest, WhereNothingDiffersItSaysSoAndLooksOn) {
-  Begin();
-  search_->LookEverywhere(*tools_, tracker_.now);
-  tracker_.finds = tracker_.truth;
-  tracker_.finds_after_s = 1;
-  tracker_.is_in_doubt = true;
-  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  BeginInDoubt();
   tracker_.others = {
       {.pose = {.map_from_base = *tracker_.alias, .place = {}}, .share = 0.5}};
   EXPECT_EQ(Run(130), Outcome::kTimeIsUp);

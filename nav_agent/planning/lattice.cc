@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "nav_agent/planning/cell_steps.h"
 #include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
@@ -17,24 +18,7 @@
 namespace treeline::planning {
 namespace {
 
-constexpr int kHeadings = 16;
-// By angle.
-constexpr std::array<core::CellIndex, kHeadings> kSteps = {{{1, 0},
-                                                            {2, 1},
-                                                            {1, 1},
-                                                            {1, 2},
-                                                            {0, 1},
-                                                            {-1, 2},
-                                                            {-1, 1},
-                                                            {-2, 1},
-                                                            {-1, 0},
-                                                            {-2, -1},
-                                                            {-1, -1},
-                                                            {-1, -2},
-                                                            {0, -1},
-                                                            {1, -2},
-                                                            {1, -1},
-                                                            {2, -1}}};
+constexpr auto kHeadings = static_cast<int>(kCellSteps.size());
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr auto kEstimateWeight = static_cast<float>(kGreed.value);
@@ -42,7 +26,7 @@ static_assert(kHeadings == 16, "a flood's bits");
 constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
 double YawOf(int heading) {
-  const core::CellIndex& step = kSteps[static_cast<size_t>(heading)];
+  const core::CellIndex& step = kCellSteps[static_cast<size_t>(heading)];
   return std::atan2(step.y, step.x);
 }
 
@@ -65,9 +49,9 @@ class Lattice {
         distance_(*ground_, regions, goal.spot, static_cast<float>(reach_m)),
         pages_(places_ / kPagePlaces + 1) {
     for (size_t heading = 0; heading < kHeadings; ++heading) {
-      step_m_[heading] =
-          static_cast<float>(ground_->resolution_m() *
-                             std::hypot(kSteps[heading].x, kSteps[heading].y));
+      step_m_[heading] = static_cast<float>(
+          ground_->resolution_m() *
+          std::hypot(kCellSteps[heading].x, kCellSteps[heading].y));
     }
   }
 
@@ -249,7 +233,7 @@ class Lattice {
       const int right = (heading + kHeadings - 1) % kHeadings;
       if (CanTurnLeft(place, heading)) add(NumberOf(place, left));
       if (CanTurnLeft(place, right)) add(NumberOf(place, right));
-      const core::CellIndex& step = kSteps[static_cast<size_t>(heading)];
+      const core::CellIndex& step = kCellSteps[static_cast<size_t>(heading)];
       const core::CellIndex cell = CellOf(place);
       const core::CellIndex before = {cell.x - step.x, cell.y - step.y};
       for (int level = 0; level < ground_->levels(); ++level) {
@@ -358,7 +342,7 @@ class Lattice {
 
   // Where a step along a heading leads; kNowhere: off the ground.
   size_t PlaceAhead(size_t place, int heading) const {
-    const core::CellIndex& step = kSteps[static_cast<size_t>(heading)];
+    const core::CellIndex& step = kCellSteps[static_cast<size_t>(heading)];
     const core::CellIndex cell = CellOf(place);
     const core::CellIndex next = {cell.x + step.x, cell.y + step.y};
     const int level = ground_->LevelAfter(LevelOf(place), cell, next);

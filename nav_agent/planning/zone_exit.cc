@@ -1,33 +1,17 @@
 #include "nav_agent/planning/zone_exit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "nav_agent/planning/cell_steps.h"
 #include "nav_agent/planning/open_nodes.h"
 
 namespace treeline::planning {
 namespace {
 
-constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
-                                                     {2, 1},
-                                                     {1, 1},
-                                                     {1, 2},
-                                                     {0, 1},
-                                                     {-1, 2},
-                                                     {-1, 1},
-                                                     {-2, 1},
-                                                     {-1, 0},
-                                                     {-2, -1},
-                                                     {-1, -1},
-                                                     {-1, -2},
-                                                     {0, -1},
-                                                     {1, -2},
-                                                     {1, -1},
-                                                     {2, -1}}};
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
 uint32_t NumberOf(const GroundIndex& ground, const Spot& spot) {
@@ -128,7 +112,7 @@ Polyline CellsOut(const ConfigurationSpace& inside,
       return way;
     }
     const core::CellIndex cell = ground.CellOf(spot.at);
-    for (const core::CellIndex& step : kSteps) {
+    for (const core::CellIndex& step : kCellSteps) {
       if (std::abs(step.x) > 1 || std::abs(step.y) > 1) continue;
       const core::CellIndex beside = {cell.x + step.x, cell.y + step.y};
       const int level = ground.LevelAfter(spot.level, cell, beside);
@@ -163,7 +147,7 @@ bool LeadsWithOneWays(const ConfigurationSpace& space, const Spot& from,
     if (number == goal) return true;
     const Spot spot = SpotOf(ground, number);
     const core::CellIndex cell = ground.CellOf(spot.at);
-    for (const core::CellIndex& step : kSteps) {
+    for (const core::CellIndex& step : kCellSteps) {
       const double length = std::hypot(step.x, step.y);
       const geometry::Vec2 heading = {step.x / length, step.y / length};
       const core::CellIndex beside = {cell.x + step.x, cell.y + step.y};

@@ -12,8 +12,7 @@ import tempfile
 from figures import Figure
 from programs import BenchError, run
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]
-                       / "tests" / "faults"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "faults"))
 import harness  # noqa: E402  (servers and load, as the faults use them)
 
 GROUPS = {}
