@@ -23,6 +23,10 @@ constexpr double kHighStep_cells = 1.5;
 // degrees, where a step of the ramp meets its side.
 constexpr double kAcross = 0.5;
 constexpr double kAcrossBeside = 0.8;
+// A floor whose voxels scatter has steps of one voxel everywhere, but is no
+// higher, on the mean, on one side of them than on the other.
+constexpr int kSideReach = 6;
+constexpr double kLeastStep_cells = 0.6;
 constexpr std::array<core::CellIndex, 4> kNeighbours = {
     {{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
@@ -31,21 +35,57 @@ class EdgeFinder {
   explicit EdgeFinder(const TraversableLevel& level)
       : level_(&level), grid_(&level.grid) {}
 
-  // Whether the mean of the steps within `reach` cells runs across the slope:
-  // the cosine between them is below `across`.
-  bool IsEdge(core::CellIndex cell, int reach, double across) const {
-    if (!IsGround(cell) || !IsStepDown(cell) || !HasSlopeNear(cell)) {
-      return false;
-    }
+  // Whether the ground is higher behind the steps around than before them, and
+  // they run across the slope.
+  bool IsEdge(core::CellIndex cell) const {
+    if (!IsStepBesideSlope(cell)) return false;
+    const geometry::Vec2 step = StepDirection(cell, kStepReach);
+    return StepHeight_cells(cell, step) >= kLeastStep_cells &&
+           IsAcrossSlope(cell, step, kAcross);
+  }
+  // The same of what lies beside an edge: a single step.
+  bool IsBesideEdge(core::CellIndex cell) const {
+    return IsStepBesideSlope(cell) &&
+           IsAcrossSlope(cell, StepDirection(cell, 0), kAcrossBeside);
+  }
+
+ private:
+  bool IsStepBesideSlope(core::CellIndex cell) const {
+    return IsGround(cell) && IsStepDown(cell) && HasSlopeNear(cell);
+  }
+  // Whether the cosine between the step and the slope is below `across`.
+  bool IsAcrossSlope(core::CellIndex cell, geometry::Vec2 step,
+                     double across) const {
+    if (!(geometry::Norm(step) > 0)) return false;
     const std::optional<geometry::Vec2> uphill = Uphill(cell);
-    if (!uphill.has_value()) return false;
-    const geometry::Vec2 step = StepDirection(cell, reach);
-    return geometry::Norm(step) > 0 &&
+    return uphill.has_value() &&
            std::abs(geometry::Dot(step, *uphill)) <
                across * geometry::Norm(step) * geometry::Norm(*uphill);
   }
 
- private:
+  // By how many voxels the ground behind a step is higher, on the mean, than
+  // that before it.
+  double StepHeight_cells(core::CellIndex middle, geometry::Vec2 step) const {
+    const double length = geometry::Norm(step);
+    if (!(length > 0)) return 0;
+    std::array<double, 2> sum = {0, 0};
+    std::array<int, 2> count = {0, 0};
+    for (int y = -kSideReach; y <= kSideReach; ++y) {
+      for (int x = -kSideReach; x <= kSideReach; ++x) {
+        const core::CellIndex cell = {middle.x + x, middle.y + y};
+        if (!IsGround(cell)) continue;
+        const double rise = -DropTo(middle, cell);
+        if (std::abs(rise) > kPlaneReach_cells) continue;
+        // The middle is on the upper side, next to the step.
+        const bool is_behind = (x * step.x + y * step.y) / length > -0.5;
+        sum[is_behind ? 1 : 0] += rise;
+        ++count[is_behind ? 1 : 0];
+      }
+    }
+    if (count[0] == 0 || count[1] == 0) return 0;
+    return sum[1] / count[1] - sum[0] / count[0];
+  }
+
   bool IsGround(core::CellIndex cell) const {
     return grid_->Contains(cell) && grid_->At(cell) == core::Occupancy::kFree &&
            !std::isnan(level_->height_m[grid_->IndexOf(cell)]);
@@ -182,7 +222,7 @@ std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
   std::vector<core::CellIndex> found;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
-      if (!finder.IsEdge({x, y}, kStepReach, kAcross)) continue;
+      if (!finder.IsEdge({x, y})) continue;
       edges[grid.IndexOf({x, y})] = 1;
       found.push_back({x, y});
     }
@@ -193,7 +233,7 @@ std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
         if (!grid.Contains({x, y}) || edges[grid.IndexOf({x, y})] != 0) {
           continue;
         }
-        if (finder.IsEdge({x, y}, 0, kAcrossBeside)) {
+        if (finder.IsBesideEdge({x, y})) {
           edges[grid.IndexOf({x, y})] = 1;
         }
       }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "nav_agent/traversability/testing_scene.h"
 #include "simulation/worlds/world.h"
@@ -266,6 +267,63 @@ TEST(NavigationMapTest, AnotherRampBehindAWallBlocksNothing) {
       EXPECT_TRUE(map.IsFree(0, map.grid(0).CellOf({x_m, y_m})))
           << x_m << ", " << y_m;
     }
+  }
+}
+
+// As in a map that was driven: the floors' surface lies between two voxels, so
+// that it is in either, here in one more often and there in the other.
+traversability::TraversableLevel WithFloorsThatScatter(
+    const traversability::Scene& ramp, traversability::TraversableLevel level,
+    uint64_t seed) {
+  const geometry::Rigid2 ramp_from_scene =
+      ramp.blocks[1].scene_from_block.Inverse();
+  base::Random random(seed, 0);
+  const double phase = random.NextUniform(0, 6);
+  for (int y = 0; y < level.grid.height; ++y) {
+    for (int x = 0; x < level.grid.width; ++x) {
+      const geometry::Vec2 at = level.grid.CenterInMap({x, y});
+      const geometry::Vec2 on_ramp = ramp_from_scene * at;
+      const double part =
+          0.5 + 0.5 * std::sin(4 * at.x + phase) * std::cos(3 * at.y + phase);
+      if (std::abs(on_ramp.x) < 2.4 && std::abs(on_ramp.y) < 0.6) continue;
+      const size_t i = level.grid.IndexOf({x, y});
+      if (random.NextUnit() < part) level.height_m[i] += 0.05F;
+      level.slope_rad[i] += 0.04F;
+    }
+  }
+  return level;
+}
+
+TEST(NavigationMapTest, FloorsThatScatterBesideARampStayWhole) {
+  for (const uint64_t seed : {1, 2, 3, 4, 5}) {
+    const traversability::Scene scene = RampWithLanding(0.4);
+    auto levels =
+        traversability::ExtractTraversableMap(traversability::Voxelize(scene));
+    ASSERT_TRUE(levels.ok());
+    ASSERT_EQ(levels->levels.size(), 1);
+    levels->levels[0] =
+        WithFloorsThatScatter(scene, std::move(levels->levels[0]), seed);
+    const traversability::NavigationMap map = Map(*levels);
+    const geometry::Rigid2 ramp_from_scene =
+        scene.blocks[1].scene_from_block.Inverse();
+    int floor = 0;
+    int blocked = 0;
+    for (int y = 0; y < map.grid(0).height; ++y) {
+      for (int x = 0; x < map.grid(0).width; ++x) {
+        if (levels->levels[0].grid.At({x, y}) != core::Occupancy::kFree) {
+          continue;
+        }
+        // All but the ramp's sides.
+        const geometry::Vec2 on_ramp =
+            ramp_from_scene * map.grid(0).CenterInMap({x, y});
+        const double beside_m = std::abs(std::abs(on_ramp.y) - 0.6);
+        if (beside_m < 0.2 && std::abs(on_ramp.x) < 2.5) continue;
+        ++floor;
+        if (!map.IsFree(0, {x, y})) ++blocked;
+      }
+    }
+    EXPECT_GT(floor, 15000);
+    EXPECT_LE(blocked, 5) << "seed " << seed;
   }
 }
 
