@@ -346,8 +346,10 @@ core::VelocityCommand NavigatorOfParts::StepLost(
     has_looked_for_itself_ = true;
     parts_.lost->Begin(RelocalizationCause::kStart, now_);
   }
-  RelocalizationInput input = {.now = now_,
-                               .drives_straight = runner_.DrivesStraight()};
+  RelocalizationInput input = {
+      .now = now_,
+      .drives_straight = runner_.DrivesStraight(),
+      .is_in_trouble = runner_.trouble() != core::NavigationCause::kNone};
   const bool was_active = parts_.lost->IsActive();
   if (was_active) {
     input.can_turn = parts_.controller->CanTurn(pose);

@@ -90,6 +90,7 @@ TEST(BehaviorParameters, DerivedOnesAreWhatTheyFollowTo) {
   EXPECT_EQ(kMinPromise, 0.06);
   EXPECT_EQ(kCheckAgree_m, 0.3);
   EXPECT_EQ(kCheckAgree_rad, 0.15);
+  EXPECT_EQ(kCheckInTrouble_s, 5);
   EXPECT_EQ(kMaxDrift_m, 0.7);
   EXPECT_EQ(kMaxDrift_rad, 0.35);
   EXPECT_EQ(kWaitForMoving_s, 8);

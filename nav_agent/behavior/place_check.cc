@@ -25,6 +25,7 @@ bool PlaceCheck::Step(const RelocalizationInput& input,
                       const FixChecker& checker, ServerQuestion& question,
                       RelocalizationTools& tools) {
   if (!question.has_server() || interval_s_ <= 0) return false;
+  is_in_trouble_ = input.is_in_trouble;
   if (question.is_open()) {
     const auto answer = question.Take(input.now);
     // A server that does not answer is nobody's business while all is well.
@@ -74,16 +75,18 @@ bool PlaceCheck::IsElsewhere(const core::RelocalizationAnswer& answer,
 }
 
 bool PlaceCheck::IsDue(base::MonotonicTime now) const {
+  const double wait_s =
+      is_in_trouble_ ? std::min(interval_s_, kCheckInTrouble_s) : interval_s_;
   return interval_s_ > 0 && last_.has_value() &&
-         base::SecondsBetween(*last_, now) >= interval_s_;
+         base::SecondsBetween(*last_, now) >= wait_s;
 }
 
 bool PlaceCheck::IsTime(const RelocalizationInput& input,
                         const std::optional<localization::TrackedPose>& pose,
                         const core::RgbdFrame* frame) {
   if (!last_.has_value()) last_ = input.now;
-  return IsDue(input.now) && input.drives_straight && pose.has_value() &&
-         pose->share >= kKnownShare && frame != nullptr &&
+  return IsDue(input.now) && (input.drives_straight || is_in_trouble_) &&
+         pose.has_value() && pose->share >= kKnownShare && frame != nullptr &&
          IsFresh(*frame, input.now);
 }
 

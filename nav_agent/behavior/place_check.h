@@ -1,5 +1,5 @@
 // While the robot drives and knows its place: now and then the server is asked
-// whether it sees the robot there, too.
+// whether it sees the robot there, too; more often in trouble on the way.
 #ifndef NAV_AGENT_BEHAVIOR_PLACE_CHECK_H_
 #define NAV_AGENT_BEHAVIOR_PLACE_CHECK_H_
 
@@ -46,6 +46,8 @@ class PlaceCheck {
 
   double interval_s_;
   std::optional<base::MonotonicTime> last_;
+  // As of the last step.
+  bool is_in_trouble_ = false;
 };
 
 enum class CheckVerdict : uint8_t {

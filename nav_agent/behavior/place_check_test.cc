@@ -102,9 +102,10 @@ class PlaceCheckTest : public testing::Test {
     tracker_.now = At(at_s);
     auto frame = std::make_shared<core::RgbdFrame>();
     frame->stamp = At(at_s - picture_age_s_);
-    return check_.Step(
-        {.now = tracker_.now, .drives_straight = drives_straight}, frame,
-        checker_, question_, tools_);
+    return check_.Step({.now = tracker_.now,
+                        .drives_straight = drives_straight,
+                        .is_in_trouble = is_in_trouble_},
+                       frame, checker_, question_, tools_);
   }
 
   ScriptedTracker tracker_;
@@ -118,7 +119,29 @@ class PlaceCheckTest : public testing::Test {
   ServerQuestion question_{&server_, 3};
   PlaceCheck check_{20};
   double picture_age_s_ = 0;
+  bool is_in_trouble_ = false;
 };
+
+TEST_F(PlaceCheckTest, AsksARobotInTroubleSoonerAndWhileItStands) {
+  is_in_trouble_ = true;
+  Step(100, false);
+  Step(104.9, false);
+  EXPECT_EQ(server_.asked, 0);
+  EXPECT_TRUE(check_.IsDue(At(105)));
+  Step(105, false);
+  EXPECT_EQ(server_.asked, 1);
+  Step(106, false);
+  Step(110, false);
+  EXPECT_EQ(server_.asked, 2);
+  // Out of it, as seldom as before.
+  is_in_trouble_ = false;
+  Step(111, false);
+  EXPECT_FALSE(check_.IsDue(At(129.9)));
+  Step(130, false);
+  EXPECT_EQ(server_.asked, 2);
+  Step(131);
+  EXPECT_EQ(server_.asked, 3);
+}
 
 TEST_F(PlaceCheckTest, AsksEveryTwentySecondsOfDriving) {
   EXPECT_FALSE(check_.IsDue(At(1000)));

@@ -98,6 +98,8 @@ struct RelocalizationInput {
   base::MonotonicTime now;
   // A goal is being driven to, about straight ahead.
   bool drives_straight = false;
+  // It recovers: the way to the goal is not as the map has it.
+  bool is_in_trouble = false;
   // What the controller has seen allows; not what the map has, which is
   // elsewhere for a robot that is lost.
   bool can_turn = true;

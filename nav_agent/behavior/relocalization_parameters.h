@@ -191,6 +191,9 @@ inline constexpr base::Parameter<double> kCheckInterval_s{
 inline constexpr base::Parameter<double> kCheckToldAfter_s{
     "check_told_after", 2, "s", base::ParameterOrigin::kTuned,
     "what a person says is checked soon"};
+// Of a robot that recovers: where the way is not as the map has it, it may be
+// elsewhere.
+inline constexpr double kCheckInTrouble_s = kCheckInterval_s / 4;
 inline constexpr base::Parameter<double> kMinCorrectionGain{
     "min_correction_gain", 0.03, "", base::ParameterOrigin::kTuned,
     "of the scan's score"};

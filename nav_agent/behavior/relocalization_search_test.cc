@@ -108,6 +108,69 @@ TEST_F(RelocalizationBehaviorTest, AWeakFixIsTakenWhenTheLaserSaysSoLater) {
   EXPECT_LT(Error_m(), 0.2);
 }
 
+TEST_F(RelocalizationBehaviorTest, ViewsThatTheServerDoesNotKnowAreLeftAlone) {
+  core::RelocalizationAnswer none;
+  none.reason = "TOO_FEW_INLIERS";
+  server_.answers = {[none] { return none; }};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  while (tracker_.spread == 0 && tracker_.now < At(160)) Step();
+  EXPECT_EQ(server_.asked, 4);
+  EXPECT_THAT(notes_, HasSubstr("the server knows none of these views"));
+  // Asked on, now and then, while the laser looks.
+  EXPECT_EQ(Run(60), RelocalizationState::kFound) << notes_;
+  EXPECT_GT(server_.asked, 4);
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+class DoubtTest : public RelocalizationBehaviorTest {
+ protected:
+  // Four answers say nothing, the fifth, of the search by laser, is weak; the
+  // laser's share of where the robot is by then.
+  void SearchWithAWeakFix(double share) {
+    core::RelocalizationAnswer none;
+    none.reason = "TOO_FEW_INLIERS";
+    server_.answers.assign(4, [none] { return none; });
+    server_.answers.push_back([this, share] {
+      tracker_.believed =
+          core::LevelPose{.map_from_base = tracker_.truth, .place = {}};
+      tracker_.searches = false;
+      tracker_.is_in_doubt = true;
+      tracker_.place_share = share;
+      return Truth(0.4);
+    });
+    server_.answers.push_back([none] { return none; });
+    // Rooms are alike in every single scan.
+    tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+    BeLost();
+    Run(30);
+  }
+};
+
+TEST_F(DoubtTest, AWeakFixWhereScansOfAllViewpointsAreSureIsEnough) {
+  SearchWithAWeakFix(0.995);
+  EXPECT_EQ(lost_->state(), RelocalizationState::kFound) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("scans of all viewpoints say the same"));
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(DoubtTest, AWeakFixWhereTheyAreNotSureIsNot) {
+  SearchWithAWeakFix(0.9);
+  EXPECT_NE(lost_->state(), RelocalizationState::kFound) << notes_;
+  EXPECT_THAT(notes_, Not(HasSubstr("say the same")));
+}
+
+TEST_F(RelocalizationBehaviorTest, ASecondSecondLookIsTheLasers) {
+  // Weak views of one and the same thing that agree, of rooms that are alike.
+  server_.answers = {[this] { return Truth(0.4); }};
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  Run(15);
+  EXPECT_THAT(notes_, HasSubstr("looks a second time"));
+  EXPECT_THAT(notes_, HasSubstr("goes on by laser"));
+}
+
 TEST_F(RelocalizationBehaviorTest,
        AServerThatKnowsAnotherPlaceIsAskedThreeTimes) {
   server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};

@@ -336,8 +336,14 @@ void RelocalizationStateMachine::Judge(const core::RelocalizationAnswer& answer,
   tools_.report.Note("fix", tools_.report.answer_verdict);
   const bool says_nothing =
       IsRefused(fix.verdict) && fix.verdict != FixVerdict::kLowConfidence;
+  episode_.refused = IsRefused(fix.verdict) ? episode_.refused + 1 : 0;
   episode_.belief.AddAnswer(fix.motion.odom_from_base.yaw_rad,
                             says_nothing ? kRefusedPromise : fix.confidence);
+  if (IsLasersLikeliest(fix)) {
+    tools_.report.Note("fix", "scans of all viewpoints say the same");
+    Seed(fix, true, now);
+    return;
+  }
   // What the check found is not believed for one more view.
   const PendingFixes::Result result = episode_.pending.Add(
       fix, checker_.options(), episode_.cause != RelocalizationCause::kCheck,
@@ -380,7 +386,16 @@ void RelocalizationStateMachine::LookElsewhere(base::MonotonicTime now) {
     BeginSearch(now);
     return;
   }
+  if (IsServerFruitless()) {
+    GiveUpServer("the server knows none of these views", now);
+    return;
+  }
   TurnToNextView(now);
+}
+
+bool RelocalizationStateMachine::IsServerFruitless() const {
+  return episode_.cause != RelocalizationCause::kCheck &&
+         episode_.pending.empty() && episode_.refused >= kQuestionsBeforeLaser;
 }
 
 bool RelocalizationStateMachine::SeedWaitingUniquePlace(
@@ -439,6 +454,14 @@ void RelocalizationStateMachine::LookAgain(const std::string& why,
                                            base::MonotonicTime now) {
   if (!MayAsk()) {
     NotConfirmed(why + ", and the server cannot be asked again", now);
+    return;
+  }
+  if (episode_.second_looks++ > 0 &&
+      episode_.cause != RelocalizationCause::kCheck) {
+    // What it sees here does not tell them apart.
+    tools_.report.Note("recovery", why + ": goes on by laser");
+    episode_.pending.Reset(std::get<ConfirmingState>(state_).seed());
+    if (!ReturnToPhase(now)) BeginSearch(now);
     return;
   }
   tools_.report.Note("recovery", why + ": looks a second time");
@@ -570,6 +593,23 @@ bool RelocalizationStateMachine::IsUniquePlace(const GatedFix& fix) const {
       PropagatedByOdometry(place->pose, place->motion, fix.motion, *tools_.map);
   return AreWithin(expected, fix.pose, checker_.options().pair_m,
                    checker_.options().pair_rad);
+}
+
+bool RelocalizationStateMachine::IsLasersLikeliest(const GatedFix& fix) const {
+  const std::optional<localization::TrackedPose> pose = tools_.tracker.Pose();
+  const std::optional<localization::TrackedMotion> motion =
+      tools_.tracker.Motion();
+  if (!std::holds_alternative<LaserSearch>(phase_) || IsRefused(fix.verdict) ||
+      PlacesLeft(tools_.tracker).empty() || !motion.has_value()) {
+    return false;
+  }
+  const double log_odds =
+      std::log(pose->place_share) - std::log1p(-pose->place_share);
+  return log_odds >= kSureLogOdds &&
+         AreWithin(
+             PropagatedByOdometry(fix.pose, fix.motion, *motion, *tools_.map),
+             pose->pose, checker_.options().pair_m,
+             checker_.options().pair_rad);
 }
 
 }  // namespace treeline::behavior

@@ -70,6 +70,10 @@ class RelocalizationStateMachine final : public RelocalizationBehavior {
     // Questions in a row without an answer.
     int failures = 0;
     bool is_server_useless = false;
+    // Answers that said nothing, since one that did.
+    int refused = 0;
+    // Of places that the laser would not tell from others.
+    int second_looks = 0;
     PendingFixes pending;
     PlaceBefore before;
     bool has_tried_unique_place = false;
@@ -77,6 +81,8 @@ class RelocalizationStateMachine final : public RelocalizationBehavior {
   };
 
   bool MayAsk() const;
+  // The laser alone may get on faster, and goes on asking now and then.
+  bool IsServerFruitless() const;
   void Ask(const localization::TrackedMotion& motion, base::MonotonicTime now);
 
   // What each state does.
@@ -99,6 +105,9 @@ class RelocalizationStateMachine final : public RelocalizationBehavior {
   bool IsLasersTurn() const;
   bool TryUniquePlace(base::MonotonicTime now);
   bool IsUniquePlace(const GatedFix& fix) const;
+  // Of all places that explain the scans of several viewpoints it is the one
+  // that is all but sure: two sensors that err apart say the same.
+  bool IsLasersLikeliest(const GatedFix& fix) const;
 
   // After an answer.
   void TakeAnswer(const ServerQuestion::Answer& answer,

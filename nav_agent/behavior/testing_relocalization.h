@@ -64,6 +64,8 @@ class ScriptedTracker : public localization::RobotTracker {
   int told = 0;
   bool searches = false;
   bool is_in_doubt = false;
+  // Of what is believed, meanwhile.
+  double place_share = 0.5;
   // Other places that are possible, at this moment.
   std::vector<localization::PossiblePlace> others;
   std::function<std::vector<float>(const core::LevelPose&, int)> expected_at;
@@ -130,17 +132,18 @@ class ScriptedTracker : public localization::RobotTracker {
   }
   std::optional<localization::TrackedPose> Pose() const override {
     if (!believed.has_value()) return std::nullopt;
-    return localization::TrackedPose{.stamp = now,
-                                     .pose = *believed,
-                                     .covariance = kCovariance,
-                                     .level_from_base = {},
-                                     .forward_mps = moves.forward_mps,
-                                     .yaw_rate_radps = moves.yaw_rate_radps,
-                                     .share = searches ? 0.1 : 1.0,
-                                     .is_searching = searches,
-                                     .in_doubt = is_in_doubt,
-                                     .place_share = is_in_doubt ? 0.5 : 1,
-                                     .other_places = others};
+    return localization::TrackedPose{
+        .stamp = now,
+        .pose = *believed,
+        .covariance = kCovariance,
+        .level_from_base = {},
+        .forward_mps = moves.forward_mps,
+        .yaw_rate_radps = moves.yaw_rate_radps,
+        .share = searches ? 0.1 : 1.0,
+        .is_searching = searches,
+        .in_doubt = is_in_doubt,
+        .place_share = is_in_doubt ? place_share : 1,
+        .other_places = others};
   }
   std::optional<localization::TrackedPose> PoseAt(
       base::MonotonicTime) const override {
