@@ -4,23 +4,20 @@ import unittest
 
 from stub_programs import ScriptTest
 
-# Stands in for ctest: its first run fails as FAILURES says (name=message,...),
-# a run of what failed ends with the status AGAIN.
+# Stands in for ctest: its first run fails as FAILURES says (name=why,...), in
+# ctest's words; a run of what failed ends with the status AGAIN.
 CTEST = r"""#!/usr/bin/env bash
 printf '%s\n' "$*" >>"$CALLS"
 if [[ " $* " == *" --rerun-failed "* ]]; then exit "$AGAIN"; fi
-while [[ "$1" != --output-junit ]]; do shift; done
-mkdir -p "$(dirname "$2")"
-{
-  printf '<testsuite name="x">\n'
-  printf '\t<testcase name="good" classname="good" time="1" status="run">\n'
-  for failure in ${FAILURES//,/ }; do
-    printf '\t<testcase name="%s" classname="c" time="1" status="fail">\n' \
-      "${failure%=*}"
-    printf '\t\t<failure message="%s"/>\n' "${failure#*=}"
-  done
-} >"$2"
-[[ -z "$FAILURES" ]] || exit 8
+printf '1/2 Test #1: good ....   Passed    0.02 sec\n'
+[[ -n "$FAILURES" ]] || exit 0
+printf '\nThe following tests FAILED:\n'
+IFS=,
+for failure in $FAILURES; do
+  printf '\t  7 - %s (%s)\n' "${failure%=*}" "${failure#*=}"
+done
+printf 'Errors while running CTest\n' >&2
+exit 8
 """
 
 
@@ -28,6 +25,7 @@ class OnceMoreTest(ScriptTest):
 
     def setUp(self):
         super().setUp()
+        (self.root / "build" / "dev").mkdir(parents=True)
         for name in ("install-deps", "build"):
             self.write_program(self.root / "scripts" / name,
                                "#!/bin/sh\nexit 0\n")
@@ -60,7 +58,7 @@ class OnceMoreTest(ScriptTest):
 
     def test_what_crashed_is_not_run_again(self):
         for failures in ("a=SEGFAULT", "a=Failed,b=Subprocess aborted"):
-            done = self.run_tests(failures.replace(" ", "_"))
+            done = self.run_tests(failures)
             self.assertEqual(done.returncode, 8)
             self.assertEqual(self.runs(), 1)
 
@@ -71,6 +69,7 @@ class OnceMoreTest(ScriptTest):
 
     def test_what_a_sanitizer_finds_is_not_forgiven(self):
         for preset in ("asan-ubsan", "tsan"):
+            (self.root / "build" / preset).mkdir()
             done = self.run_tests("a=Failed", preset=preset)
             self.assertEqual(done.returncode, 8)
             self.assertEqual(self.runs(), 1)
