@@ -22,12 +22,10 @@ namespace {
 using connect_rpc::ConnectRouter;
 
 constexpr char kPlainText[] = "text/plain; charset=utf-8";
-// Prometheus' text format.
-constexpr char kMetricsText[] = "text/plain; version=0.0.4; charset=utf-8";
 
-http::HttpResponse Text(int status, std::string text,
-                        const char* type = kPlainText) {
-  return {.status = status, .content_type = type, .body = std::move(text)};
+http::HttpResponse Text(int status, std::string text) {
+  return {
+      .status = status, .content_type = kPlainText, .body = std::move(text)};
 }
 
 absl::Status StatusOfHttp(int http_status) {
@@ -155,7 +153,10 @@ class Handler final : public http::HttpHandler {
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
     if (IsArPage(request)) return ar_page_->Handle(request);
     if (request.path == "/metrics") {
-      return Text(200, hooks_.metrics(), kMetricsText);
+      MetricsPage page = hooks_.metrics(request.Header("accept"));
+      return {.status = 200,
+              .content_type = std::move(page.content_type),
+              .body = std::move(page.text)};
     }
     if (request.path == "/readyz" && hooks_.ready && !hooks_.ready()) {
       return Text(503, "not ready\n");

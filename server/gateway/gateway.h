@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "common/base/clock.h"
 #include "common/http/http_server.h"
 #include "server/service/call.h"
@@ -37,11 +38,18 @@ struct GatewayOptions {
   absl::Status Validate() const;
 };
 
+// What /metrics answers.
+struct MetricsPage {
+  std::string content_type;
+  std::string text;
+};
+
 // What the gateway asks of the rest of the server. All may be called from many
 // threads at a time; none may block for long.
 struct GatewayHooks {
-  // Prometheus text; empty function: there is no /metrics.
-  std::function<std::string()> metrics = {};
+  // For a reader whose header `Accept` is this; empty function: there is no
+  // /metrics.
+  std::function<MetricsPage(absl::string_view accept)> metrics = {};
   // Whether who asks may read them, which name scenes; empty function: everyone
   // may.
   std::function<absl::Status(const service::CallInfo&)> may_read_metrics = {};

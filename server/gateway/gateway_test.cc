@@ -46,18 +46,28 @@ class GatewayTest : public ::testing::Test {
   void Start(const GatewayOptions& options) {
     client_.reset();
     gateway_.reset();
-    auto gateway = Gateway::Start(
-        options, dispatcher_,
-        {.metrics = [] { return std::string("treeline_up 1\n"); },
-         .may_read_metrics =
-             [this](const service::CallInfo& call) {
-               return metrics_token_.empty() ||
-                              call.credentials.bearer_token == metrics_token_
-                          ? absl::OkStatus()
-                          : absl::UnauthenticatedError("who are you?");
-             },
-         .ready = [this] { return ready_; }},
-        clock_);
+    auto
+        gateway = Gateway::Start(options, dispatcher_,
+                                 {.metrics =
+                                      [](absl::string_view accept) {
+                                        return accept == "application/odd"
+                          ? MetricsPage{"application/odd", "odd"}
+                          : MetricsPage{
+                                "text/plain; version=0.0.4; charset=utf-8",
+                                "treeline_up 1\n"};
+                                      },
+                                  .may_read_metrics =
+                                      [this](const service::CallInfo& call) {
+                                        return metrics_token_.empty() ||
+                                                       call.credentials
+                                                               .bearer_token ==
+                                                           metrics_token_
+                                                   ? absl::OkStatus()
+                                                   : absl::UnauthenticatedError(
+                                                         "who are you?");
+                                      },
+                                  .ready = [this] { return ready_; }},
+                                 clock_);
     ASSERT_TRUE(gateway.ok()) << gateway.status();
     gateway_ = *std::move(gateway);
     client_ =
@@ -298,6 +308,9 @@ TEST_F(GatewayTest, TellsHealthReadinessAndMetrics) {
   EXPECT_EQ(metrics->body, "treeline_up 1\n");
   EXPECT_THAT(metrics->get_header_value("Content-Type"),
               StartsWith("text/plain; version=0.0.4"));
+  const auto odd = client_->Get("/metrics", {{"Accept", "application/odd"}});
+  EXPECT_EQ(odd->body, "odd");
+  EXPECT_EQ(odd->get_header_value("Content-Type"), "application/odd");
   EXPECT_EQ(client_->Post("/metrics")->status, 405);
   // Nobody asked for a part of it.
   EXPECT_EQ(client_->Get("/metrics", {{"Range", "bytes=0-3"}})->body,
