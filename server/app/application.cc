@@ -25,6 +25,7 @@
 #include "server/access/wall_clock.h"
 #include "server/app/call_log.h"
 #include "server/app/call_spans.h"
+#include "server/app/failed_query_folder.h"
 #include "server/app/failed_query_recorder.h"
 #include "server/app/model_supply.h"
 #include "server/app/process_metrics.h"
@@ -95,7 +96,8 @@ absl::StatusOr<access::TokenAccessOptions> TokenAccessOptionsOf(
     options.certificate_scopes["*"] = {service::Scope::kLocalize};
     for (const std::string& name : config.tls_admin_name) {
       options.certificate_scopes[name] = {service::Scope::kLocalize,
-                                          service::Scope::kAdmin};
+                                          service::Scope::kAdmin,
+                                          service::Scope::kInspect};
     }
   }
   return options;
@@ -354,9 +356,18 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   gateway::GatewayHooks hooks;
   hooks.metrics = [this](absl::string_view accept) {
     const metrics::ExpositionFormat format = metrics::FormatFor(accept);
-    return gateway::MetricsPage{metrics::ContentTypeOf(format),
-                                registry.Expose(format)};
+    return gateway::Content{metrics::ContentTypeOf(format),
+                            registry.Expose(format)};
   };
+  if (recorder != nullptr) {
+    hooks.failed_queries =
+        [folder = FailedQueryFolder(config.record)](absl::string_view path) {
+          return folder.Get(path);
+        };
+    hooks.may_inspect = [this](const service::CallInfo& call) {
+      return access.Identify(call, service::Scope::kInspect).status();
+    };
+  }
   hooks.may_read_metrics = [this](const service::CallInfo& call) {
     return access.Identify(call, service::Scope::kLocalize).status();
   };

@@ -9,6 +9,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
 #include "common/tracing/trace_context.h"
+#include "server/repository/names.h"
 
 namespace treeline::server_app {
 namespace {
@@ -18,10 +19,13 @@ using Trace = std::optional<tracing::TraceContext>;
 
 std::string Text(absl::string_view text) { return std::string(text); }
 
-std::string JsonOf(const std::string& reason,
+std::string JsonOf(const v1::LocalizeRequest& request,
+                   const std::string& reason,
                    const absl::StatusOr<v1::LocalizeResponse>& answer,
                    const Trace& trace) {
   Json json;
+  json["scene"] = Text(
+      absl::string_view(request.scene()).substr(0, repository::kLongestName));
   json["reason"] = reason;
   json["status"] = Text(absl::StatusCodeToString(answer.status().code()));
   if (!answer.ok()) json["message"] = Text(answer.status().message());
@@ -64,7 +68,7 @@ void RecordingDispatcher::Record(
     const absl::StatusOr<v1::LocalizeResponse>& answer, const Trace& trace) {
   std::string reason = ReasonToRecord(answer);
   if (reason.empty() || !recorder_.HasRoomFor(request.ByteSizeLong())) return;
-  std::string json = JsonOf(reason, answer, trace);
+  std::string json = JsonOf(request, reason, answer, trace);
   recorder_.Offer({.reason = std::move(reason),
                    .request = request.SerializeAsString(),
                    .json = std::move(json)});

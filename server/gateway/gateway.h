@@ -38,10 +38,10 @@ struct GatewayOptions {
   absl::Status Validate() const;
 };
 
-// What /metrics answers.
-struct MetricsPage {
-  std::string content_type;
-  std::string text;
+// What a path answers.
+struct Content {
+  std::string type;
+  std::string bytes;
 };
 
 // What the gateway asks of the rest of the server. All may be called from many
@@ -49,10 +49,17 @@ struct MetricsPage {
 struct GatewayHooks {
   // For a reader whose header `Accept` is this; empty function: there is no
   // /metrics.
-  std::function<MetricsPage(absl::string_view accept)> metrics = {};
+  std::function<Content(absl::string_view accept)> metrics = {};
   // Whether who asks may read them, which name scenes; empty function: everyone
   // may.
   std::function<absl::Status(const service::CallInfo&)> may_read_metrics = {};
+  // What lies below /failed-queries: "" is the list, "NAME" one of them,
+  // "NAME/picture" its picture. NOT_FOUND, or why it cannot be read. Empty
+  // function: there is no such path.
+  std::function<absl::StatusOr<Content>(absl::string_view path)>
+      failed_queries = {};
+  // Whether who asks may see them; without it nobody may.
+  std::function<absl::Status(const service::CallInfo&)> may_inspect = {};
   // Whether queries are answered; empty function: always.
   std::function<bool()> ready = {};
   // All scenes, for the geo-anchors of /geopose; empty function: there is no
