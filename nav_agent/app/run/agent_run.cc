@@ -18,13 +18,12 @@
 #include "common/base/version.h"
 #include "common/http/http_server.h"
 #include "common/http/static_files.h"
-#include "common/tracing/tracing.h"
-#include "nav_agent/app/relocalization/recovery_trace.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
 #include "nav_agent/app/ros/agent_topics.h"
 #include "nav_agent/app/run/agent_loop.h"
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
+#include "nav_agent/app/run/agent_tracing.h"
 #include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/behavior/parameters.h"
@@ -113,9 +112,6 @@ class AgentProgram {
   absl::Status MakeRobot(const std::stop_token& stop);
   absl::Status WatchDevices();
   absl::Status ConnectServer();
-  absl::Status StartTracing();
-  // The robot stands.
-  void StopTracing();
   absl::Status Listen();
   absl::Status LetFoxgloveWatch();
   // Null: there is no camera.
@@ -160,9 +156,8 @@ class AgentProgram {
   std::unique_ptr<RecordedLaser> laser_;
   std::unique_ptr<RecordedOdometry> odometry_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
-  // Null, both: there are no spans.
-  std::unique_ptr<tracing::Tracing> tracing_;
-  std::unique_ptr<relocalization::RecoveryTrace> recovery_trace_;
+  // Null: there are no spans.
+  std::unique_ptr<AgentTracing> tracing_;
   std::unique_ptr<core::RelocalizationPort> port_;
   std::unique_ptr<agent_service::WatchedServer> server_;
   // ---- around the navigator; what listens goes first ----
@@ -267,7 +262,7 @@ absl::Status AgentProgram::ConnectServer() {
              "there is no camera: the server cannot be asked anything");
     return absl::OkStatus();
   }
-  TL_RETURN_IF_ERROR(StartTracing());
+  TL_ASSIGN_OR_RETURN(tracing_, AgentTracing::Start(config_, log_));
   relocalizer::ConnectOptions connect;
   connect.server = config_.server;
   connect.tls.ca_file = config_.tls_ca;
@@ -276,31 +271,10 @@ absl::Status AgentProgram::ConnectServer() {
       port_,
       relocalization::MakeServerRelocalization(
           connect, config_.scene.empty() ? info_.map_name : config_.scene,
-          robot_->clock(), recovery_trace_.get()));
+          robot_->clock(),
+          tracing_ == nullptr ? nullptr : &tracing_->recovery()));
   server_ =
       std::make_unique<agent_service::WatchedServer>(*port_, query_picture_);
-  return absl::OkStatus();
-}
-
-absl::Status AgentProgram::StartTracing() {
-  TL_ASSIGN_OR_RETURN(const tracing::TracingOptions options, config_.Tracing());
-  if (!options.enabled()) return absl::OkStatus();
-  log_.Say(
-      logging::LogLevel::kInfo,
-      absl::StrCat("traces go to ", config::RedactAddress(options.endpoint)));
-  TL_ASSIGN_OR_RETURN(tracing_,
-                      tracing::Tracing::Start(
-                          options, base::Version(), tracing::SeedOfProcess(),
-                          [this](const absl::Status& health) {
-                            log_.Say(health.ok() ? logging::LogLevel::kInfo
-                                                 : logging::LogLevel::kWarn,
-                                     health.ok()
-                                         ? "traces are sent again"
-                                         : absl::StrCat("traces are not sent: ",
-                                                        health.message()));
-                          }));
-  recovery_trace_ = std::make_unique<relocalization::RecoveryTrace>(
-      tracing_->tracer(), [] { return std::chrono::system_clock::now(); });
   return absl::OkStatus();
 }
 
@@ -573,7 +547,7 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
        .duration_s = config_.duration},
       real_clock_,
       [this, &events](const std::string& kind, const std::string& text) {
-        if (recovery_trace_ != nullptr) recovery_trace_->OnEvent(kind, text);
+        if (tracing_ != nullptr) tracing_->recovery().OnEvent(kind, text);
         LogEvents(events.Next(kind, text));
       });
   announce_("driving");
@@ -589,15 +563,9 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
                  .Integer("steps", loop.steps())
                  .Integer("missed_deadlines", loop.missed_deadlines()));
   if (ros_robot_ != nullptr) SayTopics(*ros_robot_, log_);
-  StopTracing();
+  // The robot stands.
+  if (tracing_ != nullptr) tracing_->Stop();
   return absl::OkStatus();
-}
-
-void AgentProgram::StopTracing() {
-  if (tracing_ == nullptr) return;
-  if (port_ != nullptr) port_->Cancel();
-  recovery_trace_->Stop();
-  tracing_->Stop(tracing::Tracing::kPatience);
 }
 
 }  // namespace
