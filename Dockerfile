@@ -105,6 +105,7 @@ HEALTHCHECK --interval=5s --timeout=3s --start-period=10s \
 ENTRYPOINT ["prometheus"]
 CMD ["--config.file=/etc/prometheus/prometheus.yml", \
      "--storage.tsdb.path=/prometheus", "--storage.tsdb.retention.size=512MB", \
+     "--enable-feature=exemplar-storage", \
      "--web.listen-address=0.0.0.0:9090"]
 
 # -----------------------------------------------------------------------------

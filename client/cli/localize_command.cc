@@ -13,6 +13,7 @@
 
 #include "CLI/CLI.hpp"
 #include "client/cli/answer_text.h"
+#include "client/cli/client_tracing.h"
 #include "client/cli/connection_flags.h"
 #include "client/relocalizer/frame_files.h"
 #include "client/relocalizer/grpc_relocalizer.h"
@@ -143,19 +144,25 @@ bool EndsTheList(const absl::Status& status) {
 absl::StatusOr<relocalizer::LocalizeAnswer> ReadAndAsk(
     relocalizer::Relocalizer& client, const LocalizeFlags& flags,
     const relocalizer::FrameFiles& files, const std::stop_token& stop,
-    bool& asked) {
+    ClientTracing& tracing, bool& asked) {
   asked = false;
   relocalizer::LocalizeQuery query = flags.query;
   TL_ASSIGN_OR_RETURN(query.frame, ReadFrame(flags, files));
   asked = true;
-  return client.Localize(query, CallOptionsOf(flags.connection, stop));
+  TracedCall call(tracing);
+  relocalizer::CallOptions options = CallOptionsOf(flags.connection, stop);
+  options.traceparent = call.traceparent();
+  absl::StatusOr<relocalizer::LocalizeAnswer> answer =
+      client.Localize(query, options);
+  call.End(answer);
+  return answer;
 }
 
 int LocalizeOne(relocalizer::Relocalizer& client, const LocalizeFlags& flags,
-                const std::stop_token& stop) {
+                const std::stop_token& stop, ClientTracing& tracing) {
   bool asked = false;
   const absl::StatusOr<relocalizer::LocalizeAnswer> answer =
-      ReadAndAsk(client, flags, flags.files, stop, asked);
+      ReadAndAsk(client, flags, flags.files, stop, tracing, asked);
   if (flags.json) {
     std::printf("%s\n", AnswerJson(flags.files, answer).c_str());
   } else if (answer.ok()) {
@@ -175,14 +182,15 @@ int LocalizeOne(relocalizer::Relocalizer& client, const LocalizeFlags& flags,
 absl::Status AskForAll(relocalizer::Relocalizer& client,
                        const LocalizeFlags& flags,
                        const std::vector<relocalizer::FrameFiles>& list,
-                       const std::stop_token& stop, AnswerSummary& summary) {
+                       const std::stop_token& stop, ClientTracing& tracing,
+                       AnswerSummary& summary) {
   // On a terminal the answers themselves show how far it is.
   base::Progress progress("localizing", static_cast<int64_t>(list.size()),
                           /*quiet=*/isatty(STDOUT_FILENO) == 1);
   for (const relocalizer::FrameFiles& files : list) {
     bool asked = false;
     const absl::StatusOr<relocalizer::LocalizeAnswer> answer =
-        ReadAndAsk(client, flags, files, stop, asked);
+        ReadAndAsk(client, flags, files, stop, tracing, asked);
     summary.Add(answer);
     std::printf("%s\n", flags.json ? AnswerJson(files, answer).c_str()
                                    : AnswerLine(files, answer).c_str());
@@ -199,9 +207,12 @@ absl::Status AskForAll(relocalizer::Relocalizer& client,
 absl::Status StreamAll(relocalizer::Relocalizer& client,
                        const LocalizeFlags& flags,
                        const std::vector<relocalizer::FrameFiles>& list,
-                       const std::stop_token& stop, AnswerSummary& summary) {
+                       const std::stop_token& stop, ClientTracing& tracing,
+                       AnswerSummary& summary) {
+  TracedCall call(tracing);
   relocalizer::StreamOptions options = flags.stream_options;
   options.stop = stop;
+  options.traceparent = call.traceparent();
   const std::unique_ptr<relocalizer::LocalizeStream> stream =
       client.OpenStream(options);
   absl::Status unreadable;
@@ -230,19 +241,21 @@ absl::Status StreamAll(relocalizer::Relocalizer& client,
     progress.Add(1);
   }
   sender.join();
-  TL_RETURN_IF_ERROR(stream->Finish());
+  const absl::Status ended = stream->Finish();
+  call.EndStream(ended);
+  TL_RETURN_IF_ERROR(ended);
   return unreadable;
 }
 
 int LocalizeList(relocalizer::Relocalizer& client, const LocalizeFlags& flags,
-                 const std::stop_token& stop) {
+                 const std::stop_token& stop, ClientTracing& tracing) {
   const absl::StatusOr<std::vector<relocalizer::FrameFiles>> list =
       relocalizer::ReadFrameList(flags.list, flags.root);
   if (!list.ok()) return ReportLocalFailure(list.status());
   AnswerSummary summary;
   const absl::Status ended =
-      flags.stream ? StreamAll(client, flags, *list, stop, summary)
-                   : AskForAll(client, flags, *list, stop, summary);
+      flags.stream ? StreamAll(client, flags, *list, stop, tracing, summary)
+                   : AskForAll(client, flags, *list, stop, tracing, summary);
   const bool written = FlushOutput();
   std::fprintf(stderr, "%s\n", summary.Text().c_str());
   if (!ended.ok()) return ReportFailure(ended, flags.connection, stop);
@@ -266,8 +279,9 @@ int RunLocalize(LocalizeFlags flags, const std::stop_token& stop) {
   if (!client.ok()) {
     return ReportFailure(client.status(), flags.connection, stop);
   }
-  return flags.list.empty() ? LocalizeOne(**client, flags, stop)
-                            : LocalizeList(**client, flags, stop);
+  ClientTracing tracing;
+  return flags.list.empty() ? LocalizeOne(**client, flags, stop, tracing)
+                            : LocalizeList(**client, flags, stop, tracing);
 }
 
 void AddFlags(CLI::App& app, LocalizeFlags& flags) {

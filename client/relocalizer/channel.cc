@@ -147,6 +147,13 @@ bool IsSceneName(absl::string_view scene) {
          });
 }
 
+// At least so far that gRPC takes it.
+bool IsTraceparent(absl::string_view text) {
+  constexpr size_t kLength = 55;
+  return text.size() == kLength &&
+         text.find_first_not_of("0123456789abcdef-") == absl::string_view::npos;
+}
+
 }  // namespace
 
 Connection::Connection(std::shared_ptr<grpc::Channel> channel,
@@ -169,13 +176,16 @@ absl::StatusOr<Connection> Connection::Open(const ConnectOptions& options) {
                     std::move(token));
 }
 
-void Connection::Prepare(grpc::ClientContext& context,
-                         absl::string_view scene) const {
+void Connection::Prepare(grpc::ClientContext& context, absl::string_view scene,
+                         absl::string_view traceparent) const {
   if (token_ != nullptr) {
     context.AddMetadata("authorization", "Bearer " + token_->Get());
   }
   if (IsSceneName(scene)) {
     context.AddMetadata(kSceneMetadata, std::string(scene));
+  }
+  if (IsTraceparent(traceparent)) {
+    context.AddMetadata("traceparent", std::string(traceparent));
   }
 }
 

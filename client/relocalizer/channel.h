@@ -23,11 +23,11 @@ class Connection {
 
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
 
-  // Puts into a call's context what every call carries: the token and, where
+  // Puts into a call's context what every call carries: the token; where
   // `scene` is a scene's name, the metadata x-treeline-scene, by which a
-  // balancer can choose the server.
-  void Prepare(grpc::ClientContext& context,
-               absl::string_view scene = {}) const;
+  // balancer can choose the server; and `traceparent`, if it is one.
+  void Prepare(grpc::ClientContext& context, absl::string_view scene = {},
+               absl::string_view traceparent = {}) const;
 
  private:
   Connection(std::shared_ptr<grpc::Channel> channel,

@@ -23,7 +23,7 @@ class GrpcLocalizeStream final : public LocalizeStream {
                      v1::RelocalizationService::Stub& stub,
                      const StreamOptions& options)
       : connection_(connection), options_(options) {
-    connection_.Prepare(context_, options_.scene);
+    connection_.Prepare(context_, options_.scene, options_.traceparent);
     stream_ = stub.LocalizeStream(&context_);
     on_stop_.emplace(options_.stop, [this] { context_.TryCancel(); });
   }

@@ -27,7 +27,7 @@ class Context {
   Context(const Connection& connection, const CallOptions& options,
           absl::string_view scene = {})
       : on_stop_(options.stop, [this] { context_.TryCancel(); }) {
-    connection.Prepare(context_, scene);
+    connection.Prepare(context_, scene, options.traceparent);
     context_.set_deadline(std::chrono::system_clock::now() + options.timeout);
   }
   grpc::ClientContext* get() { return &context_; }

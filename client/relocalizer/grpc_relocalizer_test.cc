@@ -134,6 +134,26 @@ TEST_F(GrpcRelocalizerTest, NamesTheSceneForBalancers) {
   EXPECT_EQ(named, "kitchen-2.new_1");
 }
 
+TEST_F(GrpcRelocalizerTest, CallsBelongToTheTraceOfTheirCaller) {
+  std::string told;
+  service_.during_localize = [&](const grpc::ServerContext& context) {
+    const auto at = context.client_metadata().find("traceparent");
+    told = at == context.client_metadata().end()
+               ? "none"
+               : std::string(at->second.data(), at->second.size());
+  };
+  const std::string trace =
+      "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
+  ASSERT_TRUE(client_->Localize(Query(), {.traceparent = trace}).ok());
+  EXPECT_EQ(told, trace);
+  // gRPC itself would end a call for such metadata.
+  for (const std::string& none : {std::string(), std::string("odd\n"),
+                                  std::string(55, '\n'), trace + "\n"}) {
+    ASSERT_TRUE(client_->Localize(Query(), {.traceparent = none}).ok());
+    EXPECT_EQ(told, "none");
+  }
+}
+
 TEST_F(GrpcRelocalizerTest, WhatIsNoSceneNameIsInTheRequestAlone) {
   std::string named;
   service_.during_localize = [&](const grpc::ServerContext& context) {

@@ -146,6 +146,10 @@ struct CallOptions {
   std::chrono::milliseconds timeout = std::chrono::seconds(10);
   // Cancels the call, here and on the server.
   std::stop_token stop = {};
+  // The caller's span, as W3C has it, whose child the server's becomes:
+  // "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01". Empty, or
+  // anything else: none.
+  std::string traceparent = {};
 };
 
 // How a stream treats its frames.
@@ -159,6 +163,8 @@ struct StreamOptions {
   std::string scene = {};
   // Cancels the stream, here and on the server.
   std::stop_token stop = {};
+  // As CallOptions; of all frames.
+  std::string traceparent = {};
 };
 
 struct StreamAnswer {

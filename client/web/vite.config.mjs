@@ -13,7 +13,7 @@ export default defineConfig({
     sourcemap: false,
     chunkSizeWarningLimit: 800,
     rollupOptions: {
-      input: ['index.html', 'scene.html'],
+      input: ['index.html', 'scene.html', 'failed.html'],
       output: {
         // Libraries change seldom: browsers keep them.
         manualChunks: {
@@ -27,6 +27,6 @@ export default defineConfig({
   },
   server: {
     // `npx vite` beside a running server, for work on the page.
-    proxy: { '^/treeline[.]v1[.]': SERVER },
+    proxy: { '^/treeline[.]v1[.]': SERVER, '^/failed-queries': SERVER },
   },
 });

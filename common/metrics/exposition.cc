@@ -7,8 +7,12 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
 
 namespace treeline::metrics {
 namespace {
@@ -63,6 +67,8 @@ std::string WellFormed(absl::string_view text) {
   return result;
 }
 
+constexpr absl::string_view kTotal = "_total";
+
 void AppendLabel(absl::string_view name, absl::string_view value,
                  std::string& text) {
   absl::StrAppend(
@@ -72,7 +78,44 @@ void AppendLabel(absl::string_view name, absl::string_view value,
       "\"");
 }
 
+// The weight that a list of media types gives to one of them; nullopt: it is
+// not in the list.
+std::optional<double> WeightOf(absl::string_view wanted,
+                               absl::string_view accept) {
+  std::optional<double> best;
+  for (const absl::string_view range : absl::StrSplit(accept, ',')) {
+    const std::vector<absl::string_view> parts = absl::StrSplit(range, ';');
+    if (!absl::EqualsIgnoreCase(absl::StripAsciiWhitespace(parts[0]), wanted)) {
+      continue;
+    }
+    double weight = 1;
+    for (size_t i = 1; i < parts.size(); ++i) {
+      absl::string_view parameter = absl::StripAsciiWhitespace(parts[i]);
+      if (absl::ConsumePrefix(&parameter, "q=") &&
+          !absl::SimpleAtod(parameter, &weight)) {
+        weight = 0;
+      }
+    }
+    best = std::max(best.value_or(0), weight);
+  }
+  return best;
+}
+
 }  // namespace
+
+const char* ContentTypeOf(ExpositionFormat format) {
+  return format == ExpositionFormat::kOpenMetrics
+             ? "application/openmetrics-text; version=1.0.0; charset=utf-8"
+             : "text/plain; version=0.0.4; charset=utf-8";
+}
+
+ExpositionFormat FormatFor(absl::string_view accept) {
+  const double open =
+      WeightOf("application/openmetrics-text", accept).value_or(0);
+  const double plain = WeightOf("text/plain", accept).value_or(0);
+  return open > 0 && open >= plain ? ExpositionFormat::kOpenMetrics
+                                   : ExpositionFormat::kPrometheus;
+}
 
 std::string NumberText(double value) {
   if (std::isnan(value)) return "NaN";
@@ -100,16 +143,27 @@ void Exposition::Family(absl::string_view name, absl::string_view help,
                         MetricType type) {
   // Names are ours: another one is a mistake in the program.
   if (!IsMetricName(name)) std::abort();
+  sample_suffix_ = "";
+  if (format_ == ExpositionFormat::kOpenMetrics &&
+      type == MetricType::kCounter) {
+    // There, the counter itself has the name without it.
+    name = absl::StripSuffix(name, kTotal);
+    sample_suffix_ = kTotal;
+  }
   name_ = std::string(name);
   absl::StrAppend(
       &text_, "# HELP ", name, " ",
-      absl::StrReplaceAll(WellFormed(help), {{"\\", "\\\\"}, {"\n", "\\n"}}),
+      absl::StrReplaceAll(
+          WellFormed(help),
+          {{"\\", "\\\\"},
+           {"\n", "\\n"},
+           {"\"", format_ == ExpositionFormat::kOpenMetrics ? "\\\"" : "\""}}),
       "\n# TYPE ", name, " ", NameOf(type), "\n");
 }
 
 void Exposition::Line(absl::string_view suffix, const Labels& labels,
                       const std::pair<absl::string_view, std::string>* more,
-                      double value) {
+                      double value, const std::optional<Exemplar>& exemplar) {
   std::string braces;
   for (const auto& [name, label] : labels) {
     if (!IsLabelName(name)) std::abort();
@@ -117,11 +171,31 @@ void Exposition::Line(absl::string_view suffix, const Labels& labels,
   }
   if (more != nullptr) AppendLabel(more->first, more->second, braces);
   if (!braces.empty()) braces += "}";
-  absl::StrAppend(&text_, name_, suffix, braces, " ", NumberText(value), "\n");
+  absl::StrAppend(&text_, name_, suffix, braces, " ", NumberText(value));
+  if (exemplar.has_value()) {
+    absl::StrAppend(&text_, " # {trace_id=\"", exemplar->trace_id, "\"} ",
+                    NumberText(exemplar->value), " ",
+                    absl::StrFormat("%.3f", exemplar->unix_s));
+  }
+  text_ += "\n";
+}
+
+std::string Exposition::BoundText(double bound) const {
+  std::string text = NumberText(bound);
+  // OpenMetrics wants the same bound to be the same text everywhere.
+  if (format_ == ExpositionFormat::kOpenMetrics &&
+      text.find_first_not_of("0123456789") == std::string::npos) {
+    text += ".0";
+  }
+  return text;
+}
+
+void Exposition::End() {
+  if (format_ == ExpositionFormat::kOpenMetrics) text_ += "# EOF\n";
 }
 
 void Exposition::Sample(const Labels& labels, double value) {
-  Line("", labels, nullptr, value);
+  Line(sample_suffix_, labels, nullptr, value);
 }
 
 void Exposition::Histogram(const Labels& labels,
@@ -131,9 +205,12 @@ void Exposition::Histogram(const Labels& labels,
     total += histogram.counts[i];
     const std::pair<absl::string_view, std::string> bound = {
         "le", i < histogram.upper_bounds.size()
-                  ? NumberText(histogram.upper_bounds[i])
+                  ? BoundText(histogram.upper_bounds[i])
                   : "+Inf"};
-    Line("_bucket", labels, &bound, static_cast<double>(total));
+    const bool has_room = format_ == ExpositionFormat::kOpenMetrics &&
+                          i < histogram.exemplars.size();
+    Line("_bucket", labels, &bound, static_cast<double>(total),
+         has_room ? histogram.exemplars[i] : std::nullopt);
   }
   Line("_sum", labels, nullptr, histogram.sum);
   Line("_count", labels, nullptr, static_cast<double>(total));

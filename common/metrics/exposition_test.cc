@@ -39,6 +39,64 @@ TEST(Exposition, IsTheTextFormat) {
   EXPECT_TRUE(ParseExposition(out.text()).ok());
 }
 
+TEST(Exposition, OpenMetricsHasExemplarsAndAnEnd) {
+  Exposition out(ExpositionFormat::kOpenMetrics);
+  out.Family("calls_total", "Calls \"now\".", MetricType::kCounter);
+  out.Sample({{"rpc", "L"}}, 3);
+  out.Family("seconds", "Time.", MetricType::kHistogram);
+  out.Histogram(
+      {}, {{0.5, 1},
+           {1, 0, 2},
+           7.25,
+           {Exemplar{0.25, "0af7651916cd43dd8448eb211c80319c", 1764131400.1254},
+            std::nullopt, std::nullopt}});
+  out.End();
+  EXPECT_EQ(out.text(),
+            "# HELP calls Calls \\\"now\\\".\n"
+            "# TYPE calls counter\n"
+            "calls_total{rpc=\"L\"} 3\n"
+            "# HELP seconds Time.\n"
+            "# TYPE seconds histogram\n"
+            "seconds_bucket{le=\"0.5\"} 1 # "
+            "{trace_id=\"0af7651916cd43dd8448eb211c80319c\"} 0.25 "
+            "1764131400.125\n"
+            "seconds_bucket{le=\"1.0\"} 1\n"
+            "seconds_bucket{le=\"+Inf\"} 3\n"
+            "seconds_sum 7.25\n"
+            "seconds_count 3\n"
+            "# EOF\n");
+}
+
+TEST(Exposition, ThePlainFormatHasNoRoomForExemplars) {
+  Exposition out;
+  out.Family("seconds", "Time.", MetricType::kHistogram);
+  out.Histogram({}, {{}, {1}, 1, {Exemplar{1, "0af7", 1}}});
+  out.End();
+  EXPECT_TRUE(ParseExposition(out.text()).ok()) << out.text();
+}
+
+TEST(Exposition, TheFormatIsTheOneThatIsPreferred) {
+  const auto is_open = [](absl::string_view accept) {
+    return FormatFor(accept) == ExpositionFormat::kOpenMetrics;
+  };
+  // Prometheus 2 and 3, as they ask.
+  EXPECT_TRUE(
+      is_open("application/openmetrics-text;version=1.0.0,"
+              "application/openmetrics-text;version=0.0.1;q=0.75,"
+              "text/plain;version=0.0.4;q=0.5,*/*;q=0.1"));
+  EXPECT_TRUE(is_open(
+      "application/openmetrics-text;version=1.0.0;escaping=allow-utf-8;q=0.6,"
+      "text/plain;version=0.0.4;q=0.3,*/*;q=0.2"));
+  EXPECT_TRUE(is_open(" Application/OpenMetrics-Text ; q=0.2"));
+  for (const char* accept :
+       {"", "*/*", "text/html",
+        "text/plain, application/openmetrics-text;q=0.5",
+        "application/openmetrics-text;q=0", "application/openmetrics-text;q=x",
+        "application/openmetrics-textual", ";;,,;q=,"}) {
+    EXPECT_FALSE(is_open(accept)) << accept;
+  }
+}
+
 TEST(Exposition, NumbersReadBackTheSame) {
   EXPECT_EQ(NumberText(0.1), "0.1");
   EXPECT_EQ(NumberText(std::numeric_limits<double>::infinity()), "+Inf");

@@ -29,18 +29,28 @@ Histogram::Histogram(std::vector<double> upper_bounds)
   if (!std::is_sorted(upper_bounds_.begin(), upper_bounds_.end())) std::abort();
 }
 
-void Histogram::Observe(double value) {
+size_t Histogram::Count(double value) {
   const auto bound =
       std::isnan(value)
           ? upper_bounds_.end()
           : std::lower_bound(upper_bounds_.begin(), upper_bounds_.end(), value);
-  counts_[static_cast<size_t>(bound - upper_bounds_.begin())].fetch_add(
-      1, std::memory_order_relaxed);
-  if (std::isnan(value)) return;
+  const auto at = static_cast<size_t>(bound - upper_bounds_.begin());
+  counts_[at].fetch_add(1, std::memory_order_relaxed);
+  if (std::isnan(value)) return at;
   double sum = sum_.load(std::memory_order_relaxed);
   while (!sum_.compare_exchange_weak(sum, sum + value,
                                      std::memory_order_relaxed)) {
   }
+  return at;
+}
+
+void Histogram::Observe(double value) { Count(value); }
+
+void Histogram::Observe(const Exemplar& exemplar) {
+  const size_t at = Count(exemplar.value);
+  const absl::MutexLock lock(&mutex_);
+  exemplars_.resize(counts_.size());
+  exemplars_[at] = exemplar;
 }
 
 HistogramCounts Histogram::Counts() const {
@@ -50,6 +60,8 @@ HistogramCounts Histogram::Counts() const {
     counts.counts.push_back(count.load(std::memory_order_relaxed));
   }
   counts.sum = sum_.load(std::memory_order_relaxed);
+  const absl::MutexLock lock(&mutex_);
+  counts.exemplars = exemplars_;
   return counts;
 }
 
@@ -140,9 +152,10 @@ void Registry::AddSource(std::function<void(Exposition&)> write) {
   sources_.push_back(std::move(write));
 }
 
-std::string Registry::Expose() const {
-  Exposition out;
+std::string Registry::Expose(ExpositionFormat format) const {
+  Exposition out(format);
   for (const auto& write : sources_) write(out);
+  out.End();
   return out.text();
 }
 

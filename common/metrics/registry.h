@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,21 +38,29 @@ class Gauge {
   std::atomic<double> value_ = 0;
 };
 
-// Counts observations by size. Thread-safe, without a lock: what is read while
-// others observe may lack the latest of them, and its sum may be ahead of its
-// counts.
+// Counts observations by size. Thread-safe, without a lock but for exemplars:
+// what is read while others observe may lack the latest of them, and its sum
+// may be ahead of its counts.
 class Histogram {
  public:
   // `upper_bounds` ascend.
   explicit Histogram(std::vector<double> upper_bounds);
   // NaN counts as greater than all bounds, and not into the sum.
   void Observe(double value);
+  // The same, and keeps it as its bucket's exemplar in place of the one before.
+  void Observe(const Exemplar& exemplar);
   HistogramCounts Counts() const;
 
  private:
+  // Counts it; where.
+  size_t Count(double value);
+
   const std::vector<double> upper_bounds_;
   std::vector<std::atomic<uint64_t>> counts_;
   std::atomic<double> sum_ = 0;
+  mutable absl::Mutex mutex_;
+  // Of each count; empty until there is one.
+  std::vector<std::optional<Exemplar>> exemplars_ ABSL_GUARDED_BY(mutex_);
 };
 
 // Metrics of one name, told apart by the values of their labels. At most
@@ -110,7 +119,8 @@ class Registry {
   void AddSource(std::function<void(Exposition&)> write);
 
   // All of them, as text. Thread-safe.
-  std::string Expose() const;
+  std::string Expose(
+      ExpositionFormat format = ExpositionFormat::kPrometheus) const;
 
  private:
   std::vector<std::function<void(Exposition&)>> sources_;

@@ -58,6 +58,22 @@ TEST(Histogram, BoundsBelongToTheirBucket) {
   EXPECT_THAT(histogram.Counts().counts, ElementsAre(2, 2, 2));
 }
 
+TEST(Histogram, EachBucketKeepsItsLatestExemplar) {
+  Histogram histogram({1, 2});
+  EXPECT_TRUE(histogram.Counts().exemplars.empty());
+  histogram.Observe(Exemplar{0.5, "a", 10});
+  histogram.Observe(Exemplar{0.75, "b", 11});
+  histogram.Observe(Exemplar{5, "c", 12});
+  histogram.Observe(1.5);
+  const HistogramCounts counts = histogram.Counts();
+  EXPECT_THAT(counts.counts, ElementsAre(2, 1, 1));
+  EXPECT_EQ(counts.sum, 7.75);
+  ASSERT_EQ(counts.exemplars.size(), 3u);
+  EXPECT_EQ(counts.exemplars[0]->trace_id, "b");
+  EXPECT_FALSE(counts.exemplars[1].has_value());
+  EXPECT_EQ(counts.exemplars[2]->value, 5);
+}
+
 TEST(Histogram, NanIsCountedAndSpoilsNoSum) {
   Histogram histogram({1});
   histogram.Observe(std::nan(""));

@@ -147,7 +147,8 @@ void HttpApi::AddGets() {
     return PictureAnswer(query_, "picture that was sent to the server");
   };
   gets_["/metrics"] = [this] {
-    return http::HttpResponse{.content_type = metrics::kExpositionContentType,
+    return http::HttpResponse{.content_type = metrics::ContentTypeOf(
+                                  metrics::ExpositionFormat::kPrometheus),
                               .body = metrics_.Expose()};
   };
   gets_["/healthz"] = [] {

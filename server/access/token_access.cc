@@ -11,7 +11,27 @@ namespace treeline::access {
 namespace {
 
 const char* NameOf(service::Scope scope) {
-  return scope == service::Scope::kAdmin ? "admin" : "localize";
+  switch (scope) {
+    case service::Scope::kAdmin:
+      return "admin";
+    case service::Scope::kInspect:
+      return "inspect";
+    case service::Scope::kLocalize:
+      break;
+  }
+  return "localize";
+}
+
+bool Holds(const TokenClaims& claims, service::Scope scope) {
+  switch (scope) {
+    case service::Scope::kAdmin:
+      return claims.may_administer;
+    case service::Scope::kInspect:
+      return claims.may_inspect;
+    case service::Scope::kLocalize:
+      break;
+  }
+  return claims.may_localize;
 }
 
 absl::Status ScopeMissing(service::Scope scope) {
@@ -56,9 +76,7 @@ absl::StatusOr<service::Client> TokenAccess::ByToken(
         "TOKEN_INVALID");
   }
   TL_ASSIGN_OR_RETURN(TokenClaims claims, verifier_->Verify(token));
-  const bool allowed = scope == service::Scope::kAdmin ? claims.may_administer
-                                                       : claims.may_localize;
-  if (!allowed) return ScopeMissing(scope);
+  if (!Holds(claims, scope)) return ScopeMissing(scope);
   return service::Client{.id = std::move(claims.subject),
                          .max_rate_per_s = claims.rate_per_s};
 }

@@ -78,6 +78,13 @@ TEST_F(TokenAccessTest, AsksForTheScopeOfTheCall) {
             "SCOPE_MISSING");
   EXPECT_EQ(Answer(access, WithScope("admin", true), service::Scope::kAdmin),
             "robot-7");
+  EXPECT_EQ(Answer(access, WithScope("inspect"), service::Scope::kInspect),
+            "robot-7");
+  EXPECT_EQ(
+      Answer(access, WithScope("localize admin"), service::Scope::kInspect),
+      "SCOPE_MISSING");
+  EXPECT_EQ(Answer(access, WithScope("inspect"), service::Scope::kLocalize),
+            "SCOPE_MISSING");
   EXPECT_EQ(Answer(access, WithScope("localize", true), service::Scope::kAdmin),
             "SCOPE_MISSING");
 }

@@ -81,6 +81,7 @@ absl::Status CheckParties(const Json& claims, const ClaimRules& rules) {
 void AddScope(absl::string_view scope, TokenClaims* result) {
   if (scope == "localize") result->may_localize = true;
   if (scope == "admin") result->may_administer = true;
+  if (scope == "inspect") result->may_inspect = true;
 }
 
 void AddScopes(const Json& claims, TokenClaims* result) {

@@ -29,6 +29,7 @@ struct TokenClaims {
   // Of "scope" (words in one text, RFC 8693) and "scp" (a text or an array).
   bool may_localize = false;
   bool may_administer = false;
+  bool may_inspect = false;
   // "rate": requests per second, above 0; 0: nothing said.
   double rate_per_s = 0;
   // "exp".

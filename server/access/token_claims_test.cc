@@ -104,6 +104,7 @@ struct ScopesCase {
   const char* claim;
   bool localize;
   bool admin;
+  bool inspect = false;
 };
 
 TEST(TokenClaims, HoldScopesInEveryUsualForm) {
@@ -115,7 +116,9 @@ TEST(TokenClaims, HoldScopesInEveryUsualForm) {
       {R"("scp":"localize admin")", true, true},
       {R"("scope":"localize","scp":["admin"])", true, true},
       {R"("scope":"administrator localize2 LOCALIZE")", false, false},
-      {R"("scope":"localize,admin")", false, false},
+      {R"("scope":"localize,admin,inspect")", false, false},
+      {R"("scope":"inspect")", false, false, true},
+      {R"("scp":["localize","inspect"])", true, false, true},
       {R"("scope":{"admin":true})", false, false},
       {R"("roles":["admin"])", false, false},
   };
@@ -124,6 +127,7 @@ TEST(TokenClaims, HoldScopesInEveryUsualForm) {
     ASSERT_TRUE(claims.ok()) << expected.claim;
     EXPECT_EQ(claims->may_localize, expected.localize) << expected.claim;
     EXPECT_EQ(claims->may_administer, expected.admin) << expected.claim;
+    EXPECT_EQ(claims->may_inspect, expected.inspect) << expected.claim;
   }
 }
 

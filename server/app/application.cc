@@ -14,6 +14,7 @@
 #include "common/base/version.h"
 #include "common/http/static_files.h"
 #include "common/metrics/registry.h"
+#include "common/tracing/tracing.h"
 #include "server/access/grpc_tls.h"
 #include "server/access/http_tls.h"
 #include "server/access/key_store.h"
@@ -23,6 +24,8 @@
 #include "server/access/token_verifier.h"
 #include "server/access/wall_clock.h"
 #include "server/app/call_log.h"
+#include "server/app/call_spans.h"
+#include "server/app/failed_query_folder.h"
 #include "server/app/failed_query_recorder.h"
 #include "server/app/model_supply.h"
 #include "server/app/process_metrics.h"
@@ -93,7 +96,8 @@ absl::StatusOr<access::TokenAccessOptions> TokenAccessOptionsOf(
     options.certificate_scopes["*"] = {service::Scope::kLocalize};
     for (const std::string& name : config.tls_admin_name) {
       options.certificate_scopes[name] = {service::Scope::kLocalize,
-                                          service::Scope::kAdmin};
+                                          service::Scope::kAdmin,
+                                          service::Scope::kInspect};
     }
   }
   return options;
@@ -125,6 +129,26 @@ absl::StatusOr<std::string> ArPageFolder(const ServerConfig& config) {
   return config.ar_page;
 }
 
+// Null: nobody wants spans.
+absl::StatusOr<std::unique_ptr<tracing::Tracing>> StartTracing(
+    const ServerConfig& config, logging::ProgramLog& log) {
+  TL_ASSIGN_OR_RETURN(const tracing::TracingOptions options,
+                      TracingOptionsOf(config));
+  if (!options.enabled()) return std::unique_ptr<tracing::Tracing>();
+  log.Say(
+      logging::LogLevel::kInfo,
+      absl::StrCat("traces go to ", config::RedactAddress(options.endpoint)));
+  return tracing::Tracing::Start(
+      options, base::Version(), tracing::SeedOfProcess(),
+      [&log](const absl::Status& health) {
+        log.Say(
+            health.ok() ? logging::LogLevel::kInfo : logging::LogLevel::kWarn,
+            health.ok()
+                ? "traces are sent again"
+                : absl::StrCat("traces are not sent: ", health.message()));
+      });
+}
+
 RepositoryFigures FiguresOf(const repository::SceneRepository& repository) {
   const repository::RepositoryStats stats = repository.Stats();
   RepositoryFigures figures;
@@ -151,14 +175,17 @@ RepositoryFigures FiguresOf(const repository::SceneRepository& repository) {
 // Destroyed from the last to the first: what calls before what it calls.
 struct Application::Parts {
   Parts(const ServerConfig& config, logging::ProgramLog& server_log,
-        const base::Clock& used_clock)
+        const base::Clock& used_clock,
+        std::unique_ptr<tracing::Tracing> used_tracing)
       : log(server_log),
         clock(used_clock),
+        tracing(std::move(used_tracing)),
         budget(kLargestRequestsHeld *
                (static_cast<uint64_t>(config.max_message_mib) << 20)),
         metrics(registry),
         call_log(server_log, used_clock),
         recent_queries(KeepRecentQueries(config)),
+        call_spans(MakeCallSpans()),
         observers(Observers()) {}
   // Downloads must not outlast the rest.
   ~Parts() { stop_downloads.request_stop(); }
@@ -166,7 +193,16 @@ struct Application::Parts {
   std::vector<service::CallObserver*> Observers() {
     std::vector<service::CallObserver*> all{&metrics, &call_log};
     if (recent_queries != nullptr) all.push_back(recent_queries.get());
+    if (call_spans != nullptr) all.push_back(call_spans.get());
     return all;
+  }
+  std::unique_ptr<CallSpans> MakeCallSpans() const {
+    if (tracing == nullptr) return nullptr;
+    return std::make_unique<CallSpans>(
+        tracing->tracer(), [] { return std::chrono::system_clock::now(); });
+  }
+  tracing::Tracer* tracer() const {
+    return tracing == nullptr ? nullptr : &tracing->tracer();
   }
 
   absl::Status OpenAccessPolicy(const ServerConfig& config);
@@ -179,12 +215,16 @@ struct Application::Parts {
   logging::ProgramLog& log;
   const base::Clock& clock;
   const access::SystemWallClock wall_clock;
+  // Null: there are no spans.
+  const std::unique_ptr<tracing::Tracing> tracing;
   base::ByteBudget budget;
   metrics::Registry registry;
   ServiceMetrics metrics;
   CallLog call_log;
   // Null: none are kept.
   std::unique_ptr<service::RecentQueries> recent_queries;
+  // Null: there are no spans.
+  const std::unique_ptr<CallSpans> call_spans;
   CallObservers observers;
   std::stop_source stop_downloads;
   std::unique_ptr<repository::SceneRepository> repository;
@@ -266,7 +306,8 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
                                 : absl::StrCat("failed queries are not kept: ",
                                                health.ToString()));
           }));
-  recording = std::make_unique<RecordingDispatcher>(*service, *recorder);
+  recording =
+      std::make_unique<RecordingDispatcher>(*service, *recorder, tracer());
   dispatcher = recording.get();
   return absl::OkStatus();
 }
@@ -313,7 +354,20 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
             }};
   }
   gateway::GatewayHooks hooks;
-  hooks.metrics = [this] { return registry.Expose(); };
+  hooks.metrics = [this](absl::string_view accept) {
+    const metrics::ExpositionFormat format = metrics::FormatFor(accept);
+    return gateway::Content{metrics::ContentTypeOf(format),
+                            registry.Expose(format)};
+  };
+  if (recorder != nullptr) {
+    hooks.failed_queries =
+        [folder = FailedQueryFolder(config.record)](absl::string_view path) {
+          return folder.Get(path);
+        };
+    hooks.may_inspect = [this](const service::CallInfo& call) {
+      return access.Identify(call, service::Scope::kInspect).status();
+    };
+  }
   hooks.may_read_metrics = [this](const service::CallInfo& call) {
     return access.Identify(call, service::Scope::kLocalize).status();
   };
@@ -343,6 +397,7 @@ void Application::Parts::AddMetrics() {
   AddLoadMetrics(registry, [this] { return dispatcher->load(); });
   AddSceneMetrics(registry, [this] { return FiguresOf(*repository); });
   if (recorder != nullptr) AddRecorderMetrics(registry, *recorder);
+  if (tracing != nullptr) AddTracingMetrics(registry, *tracing);
 }
 
 Application::Application(std::unique_ptr<Parts> parts)
@@ -355,13 +410,16 @@ absl::StatusOr<std::unique_ptr<Application>> Application::Start(
     const base::Clock& clock) {
   // Before the models are read: they may take a while.
   TL_RETURN_IF_ERROR(config.Validate());
-  auto parts = std::make_unique<Parts>(config, log, clock);
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<tracing::Tracing> tracing,
+                      StartTracing(config, log));
+  auto parts = std::make_unique<Parts>(config, log, clock, std::move(tracing));
   TL_RETURN_IF_ERROR(parts->OpenAccessPolicy(config));
   TL_ASSIGN_OR_RETURN(
       parts->repository,
       OpenRepository(config, parts->stop_downloads.get_token(), log, clock));
   service::DispatcherOptions options = DispatcherOptionsOf(config);
   options.recent_queries = parts->recent_queries.get();
+  options.tracer = parts->tracer();
   parts->service = std::make_unique<service::ServiceDispatcher>(
       *parts->repository, parts->access, parts->observers, clock, options);
   TL_RETURN_IF_ERROR(parts->StartRecorder(config));
@@ -395,6 +453,10 @@ void Application::Stop(std::chrono::milliseconds grace) {
   if (parts_->grpc != nullptr) parts_->grpc->Stop(grace);
   if (parts_->gateway != nullptr) parts_->gateway->Stop(left());
   if (parts_->admin != nullptr) parts_->admin->Stop(left());
+  // Of calls that have ended; whether they were in time or not.
+  if (parts_->tracing != nullptr) {
+    parts_->tracing->Stop(tracing::Tracing::kPatience);
+  }
 }
 
 std::string Application::MetricsText() const {

@@ -13,9 +13,10 @@ constexpr auto kWindow = std::chrono::seconds(1);
 void AddCaller(const service::CallRecord& record, logging::LogLine& event) {
   event.Text("peer", record.peer);
   if (!record.client.empty()) event.Text("client", record.client);
-  if (record.trace) {
-    event.Word("trace_id", record.trace->trace_id);
-    event.Word("span_id", record.trace->span_id);
+  const auto& trace = record.span.has_value() ? record.span : record.trace;
+  if (trace.has_value()) {
+    event.Word("trace_id", trace->trace_id);
+    event.Word("span_id", trace->span_id);
   }
   if (record.request_bytes > 0) {
     event.Integer("bytes", static_cast<int64_t>(record.request_bytes));

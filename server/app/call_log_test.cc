@@ -123,7 +123,7 @@ service::CallRecord Traced() {
   record.request_bytes = 300000;
   record.status =
       base::WithReason(absl::UnavailableError("overloaded"), "QUEUE_FULL");
-  record.trace = service::ParseTraceparent(
+  record.trace = tracing::ParseTraceparent(
       "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01");
   return record;
 }
@@ -136,6 +136,15 @@ TEST_F(CallLogTest, NamesTheClientTheTraceAndTheReason) {
                         "trace_id=0af7651916cd43dd8448eb211c80319c "
                         "span_id=b7ad6b7169203331 bytes=300000 "));
   EXPECT_THAT(out_.str(), HasSubstr("error_reason=\"QUEUE_FULL\""));
+}
+
+TEST_F(CallLogTest, NamesItsOwnSpanWhereItHasOne) {
+  service::CallRecord record = Traced();
+  record.span =
+      tracing::TraceContext{record.trace->trace_id, "1111111111111111", true};
+  log_->OnCall(record);
+  EXPECT_THAT(out_.str(), HasSubstr("trace_id=0af7651916cd43dd8448eb211c80319c "
+                                    "span_id=1111111111111111 "));
 }
 
 TEST_F(CallLogTest, JsonIsOneObjectALineWithTheSameFields) {

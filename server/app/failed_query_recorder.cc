@@ -57,6 +57,11 @@ bool IsOurs(const std::string& name, OurFile& file) {
 
 }  // namespace
 
+bool IsFailedQueryName(const std::string& name) {
+  OurFile file;
+  return IsOurs(name + ".json", file) && file.stem == name;
+}
+
 absl::StatusOr<std::unique_ptr<FailedQueryRecorder>> FailedQueryRecorder::Start(
     RecorderOptions options, WallClock wall_clock, OnHealth on_health) {
   if (mkdir(options.folder.c_str(), 0700) != 0 && errno != EEXIST) {

@@ -20,6 +20,10 @@
 
 namespace treeline::server_app {
 
+// Whether it is what a kept query's files are called, without their ending:
+// "20261126T045537.608Z-000001-TOO_FEW_INLIERS".
+bool IsFailedQueryName(const std::string& name);
+
 struct RecorderOptions {
   // Made, for this user alone, if it is not there.
   std::string folder = {};

@@ -8,23 +8,28 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
-#include "server/service/trace_context.h"
+#include "common/tracing/trace_context.h"
+#include "server/repository/names.h"
 
 namespace treeline::server_app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Trace = std::optional<tracing::TraceContext>;
 
 std::string Text(absl::string_view text) { return std::string(text); }
 
-std::string JsonOf(const std::string& reason,
+std::string JsonOf(const v1::LocalizeRequest& request,
+                   const std::string& reason,
                    const absl::StatusOr<v1::LocalizeResponse>& answer,
-                   const std::string& traceparent) {
+                   const Trace& trace) {
   Json json;
+  json["scene"] = Text(
+      absl::string_view(request.scene()).substr(0, repository::kLongestName));
   json["reason"] = reason;
   json["status"] = Text(absl::StatusCodeToString(answer.status().code()));
   if (!answer.ok()) json["message"] = Text(answer.status().message());
-  if (const auto trace = service::ParseTraceparent(traceparent)) {
+  if (trace.has_value()) {
     json["trace_id"] = trace->trace_id;
     json["span_id"] = trace->span_id;
   }
@@ -60,11 +65,10 @@ std::string ReasonToRecord(const absl::StatusOr<v1::LocalizeResponse>& answer) {
 
 void RecordingDispatcher::Record(
     const v1::LocalizeRequest& request,
-    const absl::StatusOr<v1::LocalizeResponse>& answer,
-    const std::string& traceparent) {
+    const absl::StatusOr<v1::LocalizeResponse>& answer, const Trace& trace) {
   std::string reason = ReasonToRecord(answer);
   if (reason.empty() || !recorder_.HasRoomFor(request.ByteSizeLong())) return;
-  std::string json = JsonOf(reason, answer, traceparent);
+  std::string json = JsonOf(request, reason, answer, trace);
   recorder_.Offer({.reason = std::move(reason),
                    .request = request.SerializeAsString(),
                    .json = std::move(json)});
@@ -77,12 +81,16 @@ void RecordingDispatcher::Localize(service::CallInfo call,
     inner_.Localize(std::move(call), request, std::move(done));
     return;
   }
-  std::string traceparent = call.traceparent;
+  Trace trace = tracing::ParseTraceparent(call.traceparent);
+  if (tracer_ != nullptr) {
+    trace = tracer_->Begin(trace);
+    call.span = trace;
+  }
   inner_.Localize(
       std::move(call), request,
-      [this, &request, traceparent = std::move(traceparent),
+      [this, &request, trace = std::move(trace),
        done = std::move(done)](absl::StatusOr<v1::LocalizeResponse> answer) {
-        Record(request, answer, traceparent);
+        Record(request, answer, trace);
         done(std::move(answer));
       });
 }

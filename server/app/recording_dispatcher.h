@@ -2,9 +2,11 @@
 #ifndef SERVER_APP_RECORDING_DISPATCHER_H_
 #define SERVER_APP_RECORDING_DISPATCHER_H_
 
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "common/tracing/tracer.h"
 #include "server/app/failed_query_recorder.h"
 #include "server/service/dispatcher.h"
 
@@ -17,12 +19,13 @@ namespace treeline::server_app {
 std::string ReasonToRecord(const absl::StatusOr<v1::LocalizeResponse>& answer);
 
 // Everything goes to `inner`, and what failed to `recorder` too, before it is
-// answered. Nothing of the caller but its trace is kept. Both must outlive
-// this.
+// answered. Nothing of the caller but its trace is kept. All must outlive this;
+// `tracer` may be null: calls have no spans of their own.
 class RecordingDispatcher final : public service::Dispatcher {
  public:
-  RecordingDispatcher(service::Dispatcher& inner, FailedQueryRecorder& recorder)
-      : inner_(inner), recorder_(recorder) {}
+  RecordingDispatcher(service::Dispatcher& inner, FailedQueryRecorder& recorder,
+                      tracing::Tracer* tracer = nullptr)
+      : inner_(inner), recorder_(recorder), tracer_(tracer) {}
 
   absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
                                         service::Scope scope) override {
@@ -62,10 +65,11 @@ class RecordingDispatcher final : public service::Dispatcher {
  private:
   void Record(const v1::LocalizeRequest& request,
               const absl::StatusOr<v1::LocalizeResponse>& answer,
-              const std::string& traceparent);
+              const std::optional<tracing::TraceContext>& trace);
 
   service::Dispatcher& inner_;
   FailedQueryRecorder& recorder_;
+  tracing::Tracer* const tracer_;
 };
 
 }  // namespace treeline::server_app

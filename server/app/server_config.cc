@@ -4,6 +4,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "server/gateway/cors.h"
@@ -22,6 +23,17 @@ absl::Status CheckAddress(const config::ConfigValue& value) {
 absl::Status CheckOrigins(const config::ConfigValue& value) {
   return gateway::CorsPolicy::Validate(
       std::get<std::vector<std::string>>(value));
+}
+
+absl::Status CheckTraceEndpoint(const config::ConfigValue& value) {
+  const std::string& text = std::get<std::string>(value);
+  return text.empty() ? absl::OkStatus() : tracing::CheckEndpoint(text);
+}
+
+absl::Status CheckTraceHeaders(const config::ConfigValue& value) {
+  return tracing::ParsePairs(
+             absl::StrJoin(std::get<std::vector<std::string>>(value), ","))
+      .status();
 }
 
 void AddScenes(Table& table) {
@@ -223,6 +235,29 @@ void AddLife(Table& table) {
                "or why not; no pictures. 0: none",
        .min = 0,
        .max = 10000});
+  table.Add(
+      &ServerConfig::trace_endpoint,
+      {.name = "trace_endpoint",
+       .value_name = "URL",
+       .help = "Where spans of traces are posted to by OTLP, like "
+               "http://collector:4318/v1/traces; '': where OpenTelemetry's "
+               "variables say, or else there are none",
+       .check = CheckTraceEndpoint,
+       .secrecy = config::Secrecy::kAddress});
+  table.Add(&ServerConfig::trace_headers,
+            {.name = "trace_headers",
+             .value_name = "NAME=VALUE,...",
+             .help = "Headers to send with them, such as a collector's key",
+             .check = CheckTraceHeaders,
+             .secrecy = config::Secrecy::kSecret});
+  table.Add(
+      &ServerConfig::trace_ratio,
+      {.name = "trace_ratio",
+       .help = "Share of the traces that begin at the server which is "
+               "recorded, 0 to 1; of those that callers began, they decide. "
+               "-1: as OTEL_TRACES_SAMPLER says, or else all",
+       .min = -1,
+       .max = 1});
   table.Add(&ServerConfig::log_level,
             {.name = "log_level",
              .help = "debug logs every call, info only failed ones",
@@ -267,6 +302,7 @@ absl::Status ServerConfig::Validate() const {
                    "--auth-keys or --tls-client-ca");
     }
   }
+  TL_RETURN_IF_ERROR(TracingOptionsOf(*this).status());
   TL_RETURN_IF_ERROR(DispatcherOptionsOf(*this).Validate());
   return GrpcOptionsOf(*this).Validate();
 }
@@ -283,6 +319,15 @@ const config::ConfigTable<ServerConfig>& ServerConfigTable() {
     return made;
   }();
   return *table;
+}
+
+absl::StatusOr<tracing::TracingOptions> TracingOptionsOf(
+    const ServerConfig& config) {
+  tracing::TracingOptions options = config.otel;
+  TL_RETURN_IF_ERROR(tracing::ApplySettings(config.trace_endpoint,
+                                            config.trace_headers,
+                                            config.trace_ratio, options));
+  return options;
 }
 
 service::GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {

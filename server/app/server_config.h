@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "common/config/config_table.h"
+#include "common/tracing/tracing_options.h"
 #include "server/service/grpc_server.h"
 #include "server/service/service_dispatcher.h"
 
@@ -61,8 +63,15 @@ struct ServerConfig {
   std::string record;
   int record_mib = 1024;
   int recent_queries = 0;
+  std::string trace_endpoint;
+  std::vector<std::string> trace_headers;
+  double trace_ratio = -1;
   std::string log_level = "info";
   std::string log_format = "text";
+
+  // No setting: what the environment says of OpenTelemetry, which the settings
+  // of traces override.
+  tracing::TracingOptions otel;
 
   // What no setting can tell alone: a certificate needs its key, and so on.
   // INVALID_ARGUMENT names the flags.
@@ -72,6 +81,10 @@ struct ServerConfig {
 // Declares every setting once: for flags, environment, file, help, validation
 // and --print-config.
 const config::ConfigTable<ServerConfig>& ServerConfigTable();
+
+// Of the environment and the settings together. INVALID_ARGUMENT.
+absl::StatusOr<tracing::TracingOptions> TracingOptionsOf(
+    const ServerConfig& config);
 
 // Of the public listener.
 service::GrpcServerOptions GrpcOptionsOf(const ServerConfig& config);

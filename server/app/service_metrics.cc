@@ -73,8 +73,10 @@ void WriteScenes(const std::vector<SceneFigures>& scenes,
 
 }  // namespace
 
-ServiceMetrics::ServiceMetrics(metrics::Registry& registry)
-    : requests_(registry.AddCounter(
+ServiceMetrics::ServiceMetrics(metrics::Registry& registry,
+                               WallClock wall_clock)
+    : wall_clock_(std::move(wall_clock)),
+      requests_(registry.AddCounter(
           "treeline_requests_total",
           "Finished calls, each once, by RPC, transport, status code and the "
           "error's reason.",
@@ -125,8 +127,7 @@ void ServiceMetrics::OnCall(const service::CallRecord& record) {
              ToText(absl::StatusCodeToString(record.status.code())),
              OrNone(reason)})
       .Add();
-  request_seconds_.With({record.rpc})
-      .Observe(record.timings.total_ms * kSecondsPerMillisecond);
+  Observe(record, record.timings.total_ms, request_seconds_.With({record.rpc}));
   request_bytes_.Add(record.request_bytes);
   if (record.shed) shed_.With({OrNone(reason)}).Add();
   if (absl::IsCancelled(record.status)) cancelled_.Add();
@@ -144,14 +145,27 @@ void ServiceMetrics::OnCall(const service::CallRecord& record) {
   confidence_.With({record.scene}).Observe(record.confidence);
 }
 
+void ServiceMetrics::Observe(const service::CallRecord& record, double ms,
+                             metrics::Histogram& seconds) const {
+  const auto& trace = record.span.has_value() ? record.span : record.trace;
+  if (!trace.has_value() || !trace->sampled) {
+    seconds.Observe(ms * kSecondsPerMillisecond);
+    return;
+  }
+  const double unix_s =
+      std::chrono::duration<double>(wall_clock_().time_since_epoch()).count();
+  seconds.Observe(metrics::Exemplar{.value = ms * kSecondsPerMillisecond,
+                                    .trace_id = trace->trace_id,
+                                    .unix_s = unix_s});
+}
+
 void ServiceMetrics::CountStages(const service::CallRecord& record) {
   const service::CallTimings& t = record.timings;
   const std::string method = OrNone(record.method);
   const std::string status =
       ToText(absl::StatusCodeToString(record.status.code()));
   const auto count = [&](const char* stage, double ms) {
-    stage_seconds_.With({stage, method, status})
-        .Observe(ms * kSecondsPerMillisecond);
+    Observe(record, ms, stage_seconds_.With({stage, method, status}));
   };
   // Calls that only list scenes have no stages.
   if (t.queue_ms > 0) count("queue", t.queue_ms);

@@ -3,6 +3,7 @@
 #ifndef SERVER_APP_SERVICE_METRICS_H_
 #define SERVER_APP_SERVICE_METRICS_H_
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -19,16 +20,24 @@ namespace treeline::server_app {
 
 // Counts every call exactly once in treeline_requests_total. What a client
 // chose becomes a label only where it is known to be ours: a scene, once a
-// version of it has answered. Thread-safe.
+// version of it has answered. Times of calls that belong to a trace which is
+// recorded, here or by the caller, become exemplars. Thread-safe.
 class ServiceMetrics final : public service::CallObserver {
  public:
-  // `registry` must outlive this.
-  explicit ServiceMetrics(metrics::Registry& registry);
+  using WallClock = std::function<std::chrono::system_clock::time_point()>;
+
+  // `registry` must outlive this. The clock is for exemplars.
+  explicit ServiceMetrics(
+      metrics::Registry& registry,
+      WallClock wall_clock = [] { return std::chrono::system_clock::now(); });
   void OnCall(const service::CallRecord& record) override;
 
  private:
   void CountStages(const service::CallRecord& record);
+  void Observe(const service::CallRecord& record, double ms,
+               metrics::Histogram& seconds) const;
 
+  const WallClock wall_clock_;
   metrics::MetricFamily<metrics::Counter>& requests_;
   metrics::MetricFamily<metrics::Histogram>& request_seconds_;
   metrics::MetricFamily<metrics::Histogram>& stage_seconds_;

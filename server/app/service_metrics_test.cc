@@ -69,6 +69,32 @@ class ServiceMetricsTest : public testing::Test {
   ServiceMetrics metrics_{registry_};
 };
 
+TEST_F(ServiceMetricsTest, TimesOfRecordedTracesAreExemplars) {
+  const auto open = [&] {
+    return registry_.Expose(metrics::ExpositionFormat::kOpenMetrics);
+  };
+  service::CallRecord record = Localized();
+  metrics_.OnCall(record);
+  record.trace = tracing::TraceContext{"0af7651916cd43dd8448eb211c80319c",
+                                       "b7ad6b7169203331", false};
+  metrics_.OnCall(record);
+  EXPECT_THAT(open(), Not(HasSubstr("trace_id")));
+  // The caller's, where the server has none of its own.
+  record.trace->sampled = true;
+  metrics_.OnCall(record);
+  EXPECT_THAT(open(), HasSubstr("le=\"0.025\"} 3 # {trace_id=\"0af7651916cd43"
+                                "dd8448eb211c80319c\"} 0.011 "));
+  record.span = tracing::TraceContext{"11111111111111111111111111111111",
+                                      "b7ad6b7169203331", true};
+  metrics_.OnCall(record);
+  EXPECT_THAT(open(), Not(HasSubstr("0af7651916cd43")));
+  EXPECT_THAT(open(),
+              HasSubstr("treeline_stage_seconds_bucket{stage=\"forest\","
+                        "method=\"rgbd\",status=\"OK\",le=\"0.0025\"} 4 # "
+                        "{trace_id=\"11111111111111111111111111111111\"} "
+                        "0.002 "));
+}
+
 TEST_F(ServiceMetricsTest, AnAnswerIsCountedInAllItsAspects) {
   metrics_.OnCall(Localized());
   const Families families = Parsed(registry_);

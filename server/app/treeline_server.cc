@@ -12,7 +12,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/interrupt.h"
+#include "common/base/version.h"
 #include "common/log/program_log.h"
+#include "common/tracing/tracing_options.h"
 #include "server/app/application.h"
 #include "server/app/command_line.h"
 #include "server/app/config_reloader.h"
@@ -59,7 +61,10 @@ int RunHealthcheck(const HealthcheckOptions& options) {
 int Serve(const config::ConfigSources& sources,
           const config::EffectiveConfig& effective,
           const std::stop_token& stop) {
-  const ServerConfig config = ServerConfigTable().Make(effective);
+  ServerConfig config = ServerConfigTable().Make(effective);
+  config.otel =
+      tracing::OptionsFromEnvironment(config::EnvironmentWith(environ, "OTEL_"),
+                                      "treeline-server", base::Version());
   const base::SteadyClock clock;
   const auto log = logging::LogToStandardError(
       "treeline-server", logging::LogFormatOf(config.log_format));
@@ -69,6 +74,9 @@ int Serve(const config::ConfigSources& sources,
        config::UnknownVariables(ServerConfigTable().settings(), sources)) {
     log->Say(logging::LogLevel::kWarn,
              absl::StrCat("environment: no setting belongs to ", variable));
+  }
+  for (const std::string& warning : config.otel.warnings) {
+    log->Say(logging::LogLevel::kWarn, absl::StrCat("environment: ", warning));
   }
   const auto application = Application::Start(config, *log, clock);
   if (!application.ok()) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "common/connect_rpc/connect_error.h"
@@ -21,13 +22,24 @@ namespace {
 
 using connect_rpc::ConnectRouter;
 
+constexpr absl::string_view kFailedQueries = "/failed-queries";
 constexpr char kPlainText[] = "text/plain; charset=utf-8";
-// Prometheus' text format.
-constexpr char kMetricsText[] = "text/plain; version=0.0.4; charset=utf-8";
 
-http::HttpResponse Text(int status, std::string text,
-                        const char* type = kPlainText) {
-  return {.status = status, .content_type = type, .body = std::move(text)};
+http::HttpResponse Text(int status, std::string text) {
+  return {
+      .status = status, .content_type = kPlainText, .body = std::move(text)};
+}
+
+http::HttpResponse Shown(Content content) {
+  return {.status = 200,
+          .content_type = std::move(content.type),
+          .body = std::move(content.bytes)};
+}
+
+http::HttpResponse NoSuchPath() {
+  return connect_rpc::ConnectErrorResponse(
+      404, base::WithReason(absl::UnimplementedError("no such path"),
+                            "METHOD_UNKNOWN"));
 }
 
 absl::Status StatusOfHttp(int http_status) {
@@ -128,9 +140,7 @@ class Handler final : public http::HttpHandler {
       return gpp_->CheckHead(request);
     }
     if (!IsPage(request)) {
-      return connect_rpc::ConnectErrorResponse(
-          404, base::WithReason(absl::UnimplementedError("no such path"),
-                                "METHOD_UNKNOWN"));
+      return NoSuchPath();
     }
     if (request.method != "GET" && request.method != "HEAD") {
       http::HttpResponse response = connect_rpc::ConnectErrorResponse(
@@ -139,7 +149,13 @@ class Handler final : public http::HttpHandler {
       response.headers.emplace_back("Allow", "GET, HEAD");
       return response;
     }
-    if (request.path == "/metrics") return CheckReaderOfMetrics(request);
+    if (request.path == "/metrics") {
+      return CheckReader(request, "Metrics", hooks_.may_read_metrics);
+    }
+    if (IsFailedQueries(request)) {
+      if (!hooks_.may_inspect) return NoSuchPath();
+      return CheckReader(request, "FailedQueries", hooks_.may_inspect);
+    }
     return std::nullopt;
   }
 
@@ -155,8 +171,9 @@ class Handler final : public http::HttpHandler {
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
     if (IsArPage(request)) return ar_page_->Handle(request);
     if (request.path == "/metrics") {
-      return Text(200, hooks_.metrics(), kMetricsText);
+      return Shown(hooks_.metrics(request.Header("accept")));
     }
+    if (IsFailedQueries(request)) return ShowFailedQueries(request);
     if (request.path == "/readyz" && hooks_.ready && !hooks_.ready()) {
       return Text(503, "not ready\n");
     }
@@ -184,7 +201,7 @@ class Handler final : public http::HttpHandler {
 
  private:
   bool IsPage(const http::HttpRequest& request) const {
-    return IsProbe(request) || IsArPage(request) ||
+    return IsProbe(request) || IsArPage(request) || IsFailedQueries(request) ||
            (serve_metrics_ && request.path == "/metrics");
   }
 
@@ -192,13 +209,32 @@ class Handler final : public http::HttpHandler {
     return ar_page_.has_value() && ArPage::Owns(request.path);
   }
 
-  std::optional<http::HttpResponse> CheckReaderOfMetrics(
-      const http::HttpRequest& request) const {
-    if (!hooks_.may_read_metrics) return std::nullopt;
+  bool IsFailedQueries(const http::HttpRequest& request) const {
+    absl::string_view path = request.path;
+    return hooks_.failed_queries &&
+           absl::ConsumePrefix(&path, kFailedQueries) &&
+           (path.empty() || path.front() == '/');
+  }
+
+  http::HttpResponse ShowFailedQueries(const http::HttpRequest& request) const {
+    absl::string_view path = request.path;
+    absl::ConsumePrefix(&path, kFailedQueries);
+    absl::ConsumePrefix(&path, "/");
+    absl::StatusOr<Content> content = hooks_.failed_queries(path);
+    if (!content.ok()) {
+      return connect_rpc::ConnectErrorResponse(content.status());
+    }
+    return Shown(*std::move(content));
+  }
+
+  // OK is nullopt.
+  std::optional<http::HttpResponse> CheckReader(
+      const http::HttpRequest& request, const char* what,
+      const std::function<absl::Status(const service::CallInfo&)>& may) const {
+    if (!may) return std::nullopt;
     const absl::StatusOr<service::CallInfo> call =
-        CallInfoOf(request, "Metrics", admin_listener_);
-    const absl::Status status =
-        call.ok() ? hooks_.may_read_metrics(*call) : call.status();
+        CallInfoOf(request, what, admin_listener_);
+    const absl::Status status = call.ok() ? may(*call) : call.status();
     if (status.ok()) return std::nullopt;
     return connect_rpc::ConnectErrorResponse(status);
   }

@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "common/base/clock.h"
 #include "common/http/http_server.h"
 #include "server/service/call.h"
@@ -37,14 +38,28 @@ struct GatewayOptions {
   absl::Status Validate() const;
 };
 
+// What a path answers.
+struct Content {
+  std::string type;
+  std::string bytes;
+};
+
 // What the gateway asks of the rest of the server. All may be called from many
 // threads at a time; none may block for long.
 struct GatewayHooks {
-  // Prometheus text; empty function: there is no /metrics.
-  std::function<std::string()> metrics = {};
+  // For a reader whose header `Accept` is this; empty function: there is no
+  // /metrics.
+  std::function<Content(absl::string_view accept)> metrics = {};
   // Whether who asks may read them, which name scenes; empty function: everyone
   // may.
   std::function<absl::Status(const service::CallInfo&)> may_read_metrics = {};
+  // What lies below /failed-queries: "" is the list, "NAME" one of them,
+  // "NAME/picture" its picture. NOT_FOUND, or why it cannot be read. Empty
+  // function: there is no such path.
+  std::function<absl::StatusOr<Content>(absl::string_view path)>
+      failed_queries = {};
+  // Whether who asks may see them; without it nobody may.
+  std::function<absl::Status(const service::CallInfo&)> may_inspect = {};
   // Whether queries are answered; empty function: always.
   std::function<bool()> ready = {};
   // All scenes, for the geo-anchors of /geopose; empty function: there is no

@@ -48,13 +48,30 @@ class GatewayTest : public ::testing::Test {
     gateway_.reset();
     auto gateway = Gateway::Start(
         options, dispatcher_,
-        {.metrics = [] { return std::string("treeline_up 1\n"); },
+        {.metrics =
+             [](absl::string_view accept) {
+               return accept == "application/odd"
+                          ? Content{"application/odd", "odd"}
+                          : Content{"text/plain; version=0.0.4; charset=utf-8",
+                                    "treeline_up 1\n"};
+             },
          .may_read_metrics =
              [this](const service::CallInfo& call) {
                return metrics_token_.empty() ||
                               call.credentials.bearer_token == metrics_token_
                           ? absl::OkStatus()
                           : absl::UnauthenticatedError("who are you?");
+             },
+         .failed_queries =
+             [](absl::string_view path) -> absl::StatusOr<Content> {
+           if (path == "odd") return absl::NotFoundError("no such query");
+           return Content{"image/png", "<" + std::string(path) + ">"};
+         },
+         .may_inspect =
+             [](const service::CallInfo& call) {
+               return call.credentials.bearer_token == "inspector"
+                          ? absl::OkStatus()
+                          : absl::PermissionDeniedError("not you");
              },
          .ready = [this] { return ready_; }},
         clock_);
@@ -105,6 +122,29 @@ TEST_F(GatewayTest, AnswersConnectJson) {
   EXPECT_EQ(body["scene"], "kitchen");
   EXPECT_EQ(body["outcome"], "OUTCOME_LOCALIZED");
   EXPECT_EQ(body["inliers"], 77);
+}
+
+TEST_F(GatewayTest, FailedQueriesAreForThoseWhoMay) {
+  const httplib::Headers inspector{{"Authorization", "Bearer inspector"}};
+  const auto get = [&](const std::string& path) {
+    return client_->Get(path, inspector);
+  };
+  EXPECT_EQ(get("/failed-queries")->body, "<>");
+  EXPECT_EQ(get("/failed-queries/")->body, "<>");
+  const auto picture = get("/failed-queries/a-1/picture");
+  EXPECT_EQ(picture->body, "<a-1/picture>");
+  EXPECT_EQ(picture->get_header_value("Content-Type"), "image/png");
+  EXPECT_EQ(picture->get_header_value("X-Content-Type-Options"), "nosniff");
+  EXPECT_EQ(picture->get_header_value("Cache-Control"), "no-store");
+  EXPECT_EQ(get("/failed-queries/odd")->status, 404);
+  EXPECT_EQ(get("/failed-queriesx")->status, 404);
+  for (const std::string path : {"/failed-queries", "/failed-queries/a/picture",
+                                 "/failed-queries/odd"}) {
+    EXPECT_EQ(client_->Get(path)->status, 403) << path;
+  }
+  EXPECT_EQ(
+      client_->Post("/failed-queries", inspector, "", "text/plain")->status,
+      405);
 }
 
 TEST_F(GatewayTest, AnswersConnectBinary) {
@@ -298,6 +338,9 @@ TEST_F(GatewayTest, TellsHealthReadinessAndMetrics) {
   EXPECT_EQ(metrics->body, "treeline_up 1\n");
   EXPECT_THAT(metrics->get_header_value("Content-Type"),
               StartsWith("text/plain; version=0.0.4"));
+  const auto odd = client_->Get("/metrics", {{"Accept", "application/odd"}});
+  EXPECT_EQ(odd->body, "odd");
+  EXPECT_EQ(odd->get_header_value("Content-Type"), "application/odd");
   EXPECT_EQ(client_->Post("/metrics")->status, 405);
   // Nobody asked for a part of it.
   EXPECT_EQ(client_->Get("/metrics", {{"Range", "bytes=0-3"}})->body,

@@ -20,18 +20,23 @@ namespace {
 constexpr char kPath[] = "/treeline.v1.RelocalizationService/LocalizeStream";
 constexpr char kRpc[] = "LocalizeStream";
 
-// The token of the protocols becomes the one of the header, where there is
+// What the protocols say in place of headers becomes those, where there are
 // none.
-http::HttpRequest WithToken(const http::HttpRequest& request) {
-  http::HttpRequest with_token = request;
-  if (!request.Header("authorization").empty()) return with_token;
+http::HttpRequest WithHeaders(const http::HttpRequest& request) {
+  http::HttpRequest with_headers = request;
+  const bool has_token = !request.Header("authorization").empty();
+  const bool has_trace = !request.Header("traceparent").empty();
   for (const std::string& protocol : http::WebSocketProtocols(request)) {
-    absl::string_view token = protocol;
-    if (absl::ConsumePrefix(&token, kTokenProtocolPrefix)) {
-      with_token.headers["authorization"] = absl::StrCat("Bearer ", token);
+    absl::string_view value = protocol;
+    if (absl::ConsumePrefix(&value, kTokenProtocolPrefix)) {
+      if (!has_token) {
+        with_headers.headers["authorization"] = absl::StrCat("Bearer ", value);
+      }
+    } else if (absl::ConsumePrefix(&value, kTraceProtocolPrefix)) {
+      if (!has_trace) with_headers.headers["traceparent"] = std::string(value);
     }
   }
-  return with_token;
+  return with_headers;
 }
 
 // The one that is spoken here, if the client names any.
@@ -70,7 +75,7 @@ std::optional<http::HttpResponse> LocalizeSocket::CheckHead(
     return Invalid("not a WebSocket of version 13 (RFC 6455)");
   }
   const absl::StatusOr<service::CallInfo> call =
-      CallInfoOf(WithToken(request), kRpc, options_.admin_listener);
+      CallInfoOf(WithHeaders(request), kRpc, options_.admin_listener);
   const absl::Status identified =
       call.ok()
           ? dispatcher_.Identify(*call, service::Scope::kLocalize).status()
@@ -82,7 +87,7 @@ std::optional<http::HttpResponse> LocalizeSocket::CheckHead(
 http::HttpResponse LocalizeSocket::Handle(
     const http::HttpRequest& request) const {
   absl::StatusOr<service::CallInfo> call =
-      CallInfoOf(WithToken(request), kRpc, options_.admin_listener);
+      CallInfoOf(WithHeaders(request), kRpc, options_.admin_listener);
   std::optional<http::HttpResponse> response = http::AcceptWebSocket(
       request, ProtocolOf(http::WebSocketProtocols(request)));
   if (!call.ok() || !response.has_value()) {

@@ -64,6 +64,9 @@ class LocalizeSocket {
 // token.
 inline constexpr absl::string_view kSocketProtocol = "treeline.v1";
 inline constexpr absl::string_view kTokenProtocolPrefix = "treeline.bearer.";
+// The same for the header traceparent, of all frames.
+inline constexpr absl::string_view kTraceProtocolPrefix =
+    "treeline.traceparent.";
 
 }  // namespace treeline::gateway
 

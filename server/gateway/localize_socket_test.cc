@@ -292,6 +292,26 @@ TEST_F(LocalizeSocketTest, WhoIsNotLetInOpensNothing) {
   EXPECT_THAT(HeadOf(""), HasSubstr("HTTP/1.1 403 "));
 }
 
+TEST_F(LocalizeSocketTest, ATraceComesInAHeaderOrAsAProtocol) {
+  const std::string trace = "00-0af7651916cd43dd8448eb211c80319c-";
+  const std::string header = "traceparent: " + trace;
+  const std::string protocol =
+      "Sec-WebSocket-Protocol: treeline.v1, treeline.traceparent." + trace;
+  for (const std::string& headers : {header + "b7ad6b7169203331-01\r\n",
+                                     protocol + "b7ad6b7169203332-01\r\n",
+                                     protocol + "b7ad6b7169203333-01\r\n" +
+                                         header + "b7ad6b7169203334-01\r\n"}) {
+    const auto socket = Open(headers);
+    socket->SendMessage(kTestBinary, Request(1, "hall"));
+    Answer(*socket);
+  }
+  const auto calls = dispatcher_.calls();
+  ASSERT_THAT(calls, SizeIs(3));
+  EXPECT_EQ(calls[0].traceparent, trace + "b7ad6b7169203331-01");
+  EXPECT_EQ(calls[1].traceparent, trace + "b7ad6b7169203332-01");
+  EXPECT_EQ(calls[2].traceparent, trace + "b7ad6b7169203334-01");
+}
+
 TEST_F(LocalizeSocketTest, ATokenComesInAHeaderOrAsAProtocol) {
   auto socket = Open("Authorization: Bearer abc.def\r\n");
   socket->SendMessage(kTestBinary, Request(1, "hall"));

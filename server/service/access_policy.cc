@@ -10,6 +10,12 @@ absl::StatusOr<Client> OpenAccess::Admit(const CallInfo& call, Scope scope) {
         absl::PermissionDeniedError("operators call the admin listener"),
         "ADMIN_LISTENER_ONLY");
   }
+  if (scope == Scope::kInspect) {
+    return base::WithReason(
+        absl::PermissionDeniedError("this needs the scope 'inspect', and this "
+                                    "server is not configured for tokens"),
+        "SCOPE_MISSING", {{"scope", "inspect"}});
+  }
   return Client{.id = PeerWithoutPort(call.peer)};
 }
 

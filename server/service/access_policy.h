@@ -9,8 +9,9 @@
 
 namespace treeline::service {
 
-// What a call needs to be allowed to do.
-enum class Scope { kLocalize, kAdmin };
+// What a call needs to be allowed to do. kInspect: look at what was kept of
+// others' queries, pictures included.
+enum class Scope { kLocalize, kAdmin, kInspect };
 
 // Who calls.
 struct Client {
@@ -42,7 +43,7 @@ class AccessPolicy {
 };
 
 // Without tokens: everyone may localize, and administer through the admin
-// listener.
+// listener. Nobody may inspect: there is nobody to be told from others.
 class OpenAccess final : public AccessPolicy {
  public:
   absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override;

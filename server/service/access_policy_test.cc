@@ -34,6 +34,18 @@ TEST(OpenAccess, LetsEveryoneLocalizeAndSharesByAddress) {
   EXPECT_EQ(client->id, "ipv4:10.0.0.7");
 }
 
+TEST(OpenAccess, ShowsNobodyWhatOthersAsked) {
+  OpenAccess access;
+  for (const bool admin_listener : {false, true}) {
+    EXPECT_TRUE(
+        absl::IsPermissionDenied(access
+                                     .Admit({.peer = "ipv4:127.0.0.1:1",
+                                             .admin_listener = admin_listener},
+                                            Scope::kInspect)
+                                     .status()));
+  }
+}
+
 TEST(OpenAccess, LetsOperatorsInOnlyThroughTheirListener) {
   OpenAccess access;
   const auto refused = access.Admit({.peer = "ipv4:10.0.0.7:1"}, Scope::kAdmin);

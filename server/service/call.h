@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/clock.h"
+#include "common/tracing/trace_context.h"
 
 namespace treeline::service {
 
@@ -34,6 +35,8 @@ struct CallInfo {
   Credentials credentials = {};
   // The W3C header of this name as it came, not checked; empty: none.
   std::string traceparent = {};
+  // The call's own span, where somebody needed it before the dispatcher.
+  std::optional<tracing::TraceContext> span = std::nullopt;
   // Client::id, where the transport has asked Dispatcher::Admit already; then
   // nobody asks again.
   std::optional<std::string> client = std::nullopt;

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "common/tracing/trace_context.h"
 #include "server/core/localizer/localizer.h"
-#include "server/service/trace_context.h"
 
 namespace treeline::service {
 
@@ -30,8 +30,10 @@ struct CallRecord {
   // Who called, as access control knows them (Client::id); empty: nobody
   // known, or turned away before that. Escape it like `scene`.
   std::string client;
-  // The trace that the caller told of.
-  std::optional<TraceContext> trace;
+  // The caller's span, if it told of one.
+  std::optional<tracing::TraceContext> trace;
+  // The call's own; nullopt: the server makes none.
+  std::optional<tracing::TraceContext> span;
   // Size of the request as it came; 0: not known.
   uint64_t request_bytes = 0;
   // As the client sent it, not checked: escape it before it is written

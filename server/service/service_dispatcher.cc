@@ -9,11 +9,11 @@
 #include "common/base/error_info.h"
 #include "common/base/parallel_for.h"
 #include "common/base/status_macros.h"
+#include "common/tracing/trace_context.h"
 #include "server/repository/names.h"
 #include "server/service/convert.h"
 #include "server/service/localize_call.h"
 #include "server/service/overload.h"
-#include "server/service/trace_context.h"
 
 namespace treeline::service {
 namespace {
@@ -70,6 +70,7 @@ ServiceDispatcher::ServiceDispatcher(repository::SceneRepository& repository,
       localize_(options.decode_limits, clock),
       recognizer_(repository),
       recent_queries_(options.recent_queries),
+      tracer_(options.tracer),
       waiting_for_scene_(options.queue),
       scene_maps_(repository, workers_, waiting_for_scene_, clock),
       workers_(options.workers > 0 ? options.workers : base::HardwareThreads(),
@@ -149,7 +150,11 @@ absl::Status ServiceDispatcher::Report(const CallInfo& call,
   record.rpc = call.rpc;
   record.transport = call.transport;
   record.peer = call.peer;
-  record.trace = ParseTraceparent(call.traceparent);
+  record.trace = tracing::ParseTraceparent(call.traceparent);
+  record.span = call.span;
+  if (tracer_ != nullptr && !record.span.has_value()) {
+    record.span = tracer_->Begin(record.trace);
+  }
   record.status =
       base::WithReason(status, ReasonOfCode(status.code()), FieldOf(status));
   record.timings.total_ms =

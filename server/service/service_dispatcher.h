@@ -9,6 +9,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 #include "common/image/decode.h"
+#include "common/tracing/tracer.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/access_policy.h"
 #include "server/service/call_observer.h"
@@ -32,6 +33,8 @@ struct DispatcherOptions {
   // What ListRecentQueries tells of; null: nothing. Must outlive the
   // dispatcher.
   const RecentQueries* recent_queries = nullptr;
+  // Gives calls their spans; null: they have none. Must outlive the dispatcher.
+  tracing::Tracer* tracer = nullptr;
 
   absl::Status Validate() const;
 };
@@ -101,6 +104,7 @@ class ServiceDispatcher final : public Dispatcher {
   const LocalizeRpc localize_;
   const SceneRecognizer recognizer_;
   const RecentQueries* const recent_queries_;
+  tracing::Tracer* const tracer_;
   // Calls whose scene is being loaded.
   WaitingRoom waiting_for_scene_;
   SceneMaps scene_maps_;

@@ -12,8 +12,8 @@
 #include "common/log/log_line.h"
 #include "common/metrics/exposition.h"
 #include "common/metrics/testing_exposition.h"
+#include "common/tracing/trace_context.h"
 #include "server/app/healthcheck.h"
-#include "server/service/trace_context.h"
 
 namespace treeline {
 namespace {
@@ -28,7 +28,7 @@ void Check(bool holds) {
 }
 
 void Use(absl::string_view bytes) {
-  if (const auto trace = service::ParseTraceparent(bytes)) {
+  if (const auto trace = tracing::ParseTraceparent(bytes)) {
     Check(trace->trace_id.size() == 32 && trace->span_id.size() == 16);
     Check(IsPlain(trace->trace_id) && IsPlain(trace->span_id));
   }

@@ -1,10 +1,13 @@
 """Calls against a server that misbehaves on demand."""
 
 import pathlib
+import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
+from unittest import mock
 
 import grpc
 import numpy as np
@@ -15,6 +18,7 @@ from treeline import errors
 from treeline.v1 import relocalization_pb2, scenes_pb2
 
 JPEG = b"\xff\xd8\xff rest"
+TRACEPARENT = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"
 OVERLOADED = Failure(grpc.StatusCode.UNAVAILABLE, "overloaded", "QUEUE_FULL")
 
 
@@ -78,6 +82,38 @@ class Answers(WithServer):
         self.assertEqual([m.get("x-treeline-scene")
                           for m in self.service.metadata],
                          ["kitchen-2.new_1", "office"])
+
+    def test_calls_belong_to_the_trace_of_their_program(self):
+        told = ["", "odd\n", None, TRACEPARENT + "\n",
+                treeline.tracing.new_traceparent(), TRACEPARENT]
+        given = iter(told)
+        with treeline.Client(self.server.address,
+                             traceparent=lambda: next(given)) as client:
+            for _ in told:
+                client.localize(JPEG, scene="kitchen")
+        self.assertEqual([m.get("traceparent") for m in self.service.metadata],
+                         [None] * 4 + told[4:])
+
+    def test_opentelemetrys_current_span_is_told_where_there_is_one(self):
+        self.client.localize(JPEG, scene="kitchen")
+        # As the package opentelemetry-api has it.
+        propagate = types.ModuleType("opentelemetry.propagate")
+        propagate.inject = lambda carrier: carrier.update(
+            traceparent=TRACEPARENT)
+        with mock.patch.dict(sys.modules,
+                             {"opentelemetry.propagate": propagate}):
+            self.client.localize(JPEG, scene="kitchen")
+        self.assertEqual([m.get("traceparent") for m in self.service.metadata],
+                         [None, TRACEPARENT])
+
+    def test_new_traces_are_new(self):
+        made = {treeline.tracing.new_traceparent() for _ in range(100)}
+        self.assertEqual(len(made), 100)
+        for traceparent in made:
+            self.assertTrue(treeline.tracing.is_traceparent(traceparent))
+            self.assertTrue(traceparent.endswith("-01"))
+        self.assertTrue(
+            treeline.tracing.new_traceparent(sampled=False).endswith("-00"))
 
     def test_what_is_no_scene_name_is_in_the_request_alone(self):
         for scene in (None, "", "a b", "k\u00fcche", "a\nb", "x" * 129):

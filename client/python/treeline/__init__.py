@@ -9,10 +9,10 @@
 
 Client asks, Query says what about, Answer is what comes back. errors has the
 exceptions, cameras the intrinsics of other systems, geometry poses and axes,
-geodesy the Earth.
+geodesy the Earth, tracing the traces that calls belong to.
 """
 
-from treeline import cameras, errors, geodesy, geometry
+from treeline import cameras, errors, geodesy, geometry, tracing
 from treeline.answer import (Answer, Calibration, Correspondences, Model,
                              Scene, SceneCandidate, StreamAnswer, Timings)
 from treeline.cameras import Camera
@@ -28,5 +28,5 @@ __all__ = [
     "GeoAnchor", "GeoPose", "HeightBand", "Model", "PosePrior",
     "PositionPrior", "Query", "Scene", "SceneCandidate", "StreamAnswer",
     "Timings", "Tls", "TreelineError", "cameras", "errors", "geodesy",
-    "geometry",
+    "geometry", "tracing",
 ]

@@ -12,11 +12,11 @@ import os
 import re
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import grpc
 
-from treeline import options
+from treeline import options, tracing
 from treeline.v1 import relocalization_pb2_grpc, scenes_pb2_grpc
 
 # A request larger than this buffer is sent once and never retried; gRPC's
@@ -96,7 +96,8 @@ class Connection:
 
     def __init__(self, targets: str | Sequence[str],
                  token: options.Token | None, tls: options.Tls | None,
-                 max_attempts: int, max_message_mib: int) -> None:
+                 max_attempts: int, max_message_mib: int,
+                 traceparent: Callable[[], str | None] | None = None) -> None:
         addresses = options.addresses_of(targets)
         if not 1 <= max_attempts <= 5:
             raise ValueError(f"max_attempts is {max_attempts}; it must be 1..5")
@@ -109,6 +110,7 @@ class Connection:
             raise ValueError(f"a token would travel to {self.servers} in the"
                              " clear; use TLS")
         self._token = None if token is None else options.TokenSource(token)
+        self._traceparent = traceparent or tracing.current_traceparent
         self._target = options.grpc_target(addresses)
         self._tls = tls
         self._arguments = [
@@ -199,13 +201,17 @@ class Connection:
                 stubs.channel.close()
 
     def metadata(self, scene: str | None = None) -> list[tuple[str, str]]:
-        """What every call carries; with the scene that it is about, if it is
-        about one, by which a balancer can choose the server."""
+        """What every call carries: the token, the trace that it belongs to;
+        with the scene that it is about, if it is about one, by which a balancer
+        can choose the server."""
         metadata = []
         if self._token is not None:
             metadata.append(("authorization", f"Bearer {self._token.get()}"))
         if scene is not None and _SCENE_NAME.fullmatch(scene):
             metadata.append((_SCENE_METADATA, scene))
+        traceparent = self._traceparent()
+        if traceparent and tracing.is_traceparent(traceparent):
+            metadata.append(("traceparent", traceparent))
         return metadata
 
     def close(self) -> None:

@@ -40,6 +40,10 @@ class Client:
       UNAVAILABLE or cancels. The waits grow from 50 ms to 1 s, or are what the
       server asks for. Requests over 16 MiB are not tried again.
     max_message_mib: largest request and answer, 1 to 1024.
+    traceparent: gives the span that a call belongs to, as W3C has it
+      (treeline.tracing.new_traceparent() makes one); asked at each call, and
+      what is none is left out. None: OpenTelemetry's current span, where the
+      program uses that.
 
     ValueError, OSError: what is wrong with an option or with a file of a
     certificate or token. All methods raise errors.TreelineError, block, and may
@@ -49,12 +53,13 @@ class Client:
     def __init__(self, targets: str | Sequence[str], *,
                  token: Token | None = None, tls: Tls | None = None,
                  timeout_s: float = 10.0, max_attempts: int = 4,
-                 max_message_mib: int = 32) -> None:
+                 max_message_mib: int = 32,
+                 traceparent: Callable[[], str | None] | None = None) -> None:
         if not timeout_s > 0:
             raise ValueError(f"timeout_s is {timeout_s}; it must be positive")
         self._timeout_s = timeout_s
         self._connection = Connection(targets, token, tls, max_attempts,
-                                      max_message_mib)
+                                      max_message_mib, traceparent)
 
     def __enter__(self) -> Client:
         return self

@@ -18,6 +18,7 @@ export type { MakeSocket, Socket } from './client/localize_stream.js';
 export type { RetryPolicy, Tools } from './client/retry.js';
 export { fixOf, TreelineClient, type CallOptions, type ClientOptions,
   type Fetch, type ServerHealth } from './client/treeline_client.js';
+export { newTraceparent } from './client/traceparent.js';
 export type * from './client/types.js';
 export { DriftCorrector, type DriftEstimate, type DriftState, type Fix,
   type FixVerdict } from './fusion/drift_corrector.js';

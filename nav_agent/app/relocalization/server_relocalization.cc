@@ -59,7 +59,8 @@ core::RelocalizationAnswer AnswerOf(const relocalizer::LocalizeAnswer& answer,
 Answer AskNow(relocalizer::Relocalizer& relocalizer,
               const ServerRelocalizationOptions& options,
               const core::RgbdFrame& frame, double timeout_s,
-              const std::stop_token& stop) {
+              const std::stop_token& stop,
+              const std::string& traceparent = {}) {
   const auto began = std::chrono::steady_clock::now();
   relocalizer::LocalizeQuery query;
   query.scene = options.scene;
@@ -72,8 +73,9 @@ Answer AskNow(relocalizer::Relocalizer& relocalizer,
   query.frame.orientation = {image::QuarterTurn::kNone, /*is_certain=*/true};
   TL_ASSIGN_OR_RETURN(
       const relocalizer::LocalizeAnswer answer,
-      relocalizer.Localize(query,
-                           {.timeout = Milliseconds(timeout_s), .stop = stop}));
+      relocalizer.Localize(query, {.timeout = Milliseconds(timeout_s),
+                                   .stop = stop,
+                                   .traceparent = traceparent}));
   core::RelocalizationAnswer result = AnswerOf(answer, frame);
   // With what the encoding took.
   result.round_trip_s =
@@ -103,6 +105,9 @@ class ServerRelocalization final : public core::RelocalizationPort {
     DropLocked();
     ++number_;
     question_ = frame;
+    if (options_.trace != nullptr) {
+      traceparent_ = options_.trace->BeginQuestion();
+    }
     timeout_s_ = timeout_s;
     deadline_ = After(clock_.Now(), timeout_s);
     is_asking_ = true;
@@ -113,12 +118,15 @@ class ServerRelocalization final : public core::RelocalizationPort {
     const absl::MutexLock lock(&mutex_);
     if (answer_.has_value()) {
       is_asking_ = false;
+      if (options_.trace != nullptr) options_.trace->EndQuestion(*answer_);
       return std::exchange(answer_, std::nullopt);
     }
     if (is_asking_ && clock_.Now() >= deadline_) {
+      const Answer late =
+          absl::DeadlineExceededError("the server did not answer in time");
+      if (options_.trace != nullptr) options_.trace->EndQuestion(late);
       DropLocked();
-      return Answer(
-          absl::DeadlineExceededError("the server did not answer in time"));
+      return late;
     }
     return std::nullopt;
   }
@@ -140,6 +148,7 @@ class ServerRelocalization final : public core::RelocalizationPort {
     question_.reset();
     answer_.reset();
     is_asking_ = false;
+    if (options_.trace != nullptr) options_.trace->CancelQuestion();
     call_.request_stop();
   }
 
@@ -147,6 +156,7 @@ class ServerRelocalization final : public core::RelocalizationPort {
     while (!stop.stop_requested()) {
       core::RgbdFrame frame;
       double timeout_s = 0;
+      std::string traceparent;
       uint64_t number = 0;
       std::stop_token call_stop;
       {
@@ -158,12 +168,13 @@ class ServerRelocalization final : public core::RelocalizationPort {
         frame = *std::move(question_);
         question_.reset();
         timeout_s = timeout_s_;
+        traceparent = traceparent_;
         number = number_;
         call_ = std::stop_source();
         call_stop = call_.get_token();
       }
-      Answer answer =
-          AskNow(*relocalizer_, options_, frame, timeout_s, call_stop);
+      Answer answer = AskNow(*relocalizer_, options_, frame, timeout_s,
+                             call_stop, traceparent);
       const absl::MutexLock lock(&mutex_);
       // Nobody waits for what was cancelled.
       if (number == number_) answer_ = std::move(answer);
@@ -179,6 +190,7 @@ class ServerRelocalization final : public core::RelocalizationPort {
   uint64_t number_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<core::RgbdFrame> question_ ABSL_GUARDED_BY(mutex_);
   double timeout_s_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::string traceparent_ ABSL_GUARDED_BY(mutex_);
   base::MonotonicTime deadline_ ABSL_GUARDED_BY(mutex_);
   bool is_asking_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<Answer> answer_ ABSL_GUARDED_BY(mutex_);
@@ -297,12 +309,12 @@ MakeServerRelocalization(std::shared_ptr<relocalizer::Relocalizer> relocalizer,
 
 absl::StatusOr<std::unique_ptr<core::RelocalizationPort>>
 MakeServerRelocalization(const relocalizer::ConnectOptions& connection,
-                         const std::string& scene, const base::Clock& clock) {
+                         const std::string& scene, const base::Clock& clock,
+                         RecoveryTrace* trace) {
   TL_ASSIGN_OR_RETURN(std::shared_ptr<relocalizer::Relocalizer> relocalizer,
                       relocalizer::ConnectRelocalizer(connection));
   return MakeServerRelocalization(std::move(relocalizer),
-                                  ServerRelocalizationOptions{.scene = scene},
-                                  clock);
+                                  {.scene = scene, .trace = trace}, clock);
 }
 
 absl::StatusOr<std::unique_ptr<core::RelocalizationPort>>

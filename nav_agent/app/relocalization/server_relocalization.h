@@ -12,6 +12,7 @@
 #include "client/relocalizer/relocalizer.h"
 #include "common/base/clock.h"
 #include "common/wire/query_frame.h"
+#include "nav_agent/app/relocalization/recovery_trace.h"
 #include "nav_agent/core/relocalization.h"
 
 namespace treeline::relocalization {
@@ -26,6 +27,8 @@ struct ServerRelocalizationOptions {
   double min_confidence = 0.3;
   // Of the hypotheses that the server draws.
   uint64_t seed = 0;
+  // What questions are spans of; null: of nothing. Must outlive the port.
+  RecoveryTrace* trace = nullptr;
 
   absl::Status Validate() const;
 };
@@ -45,7 +48,8 @@ MakeServerRelocalization(std::shared_ptr<relocalizer::Relocalizer> relocalizer,
 // The same over a new connection; the server need not be there yet.
 absl::StatusOr<std::unique_ptr<core::RelocalizationPort>>
 MakeServerRelocalization(const relocalizer::ConnectOptions& connection,
-                         const std::string& scene, const base::Clock& clock);
+                         const std::string& scene, const base::Clock& clock,
+                         RecoveryTrace* trace = nullptr);
 
 struct SynchronousOptions {
   // What an answer takes in simulated time (s); nullopt: as long as it really

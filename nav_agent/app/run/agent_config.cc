@@ -13,6 +13,17 @@ namespace {
 
 using Table = config::ConfigTable<AgentConfig>;
 
+absl::Status CheckTraceEndpoint(const config::ConfigValue& value) {
+  const std::string& text = std::get<std::string>(value);
+  return text.empty() ? absl::OkStatus() : tracing::CheckEndpoint(text);
+}
+
+absl::Status CheckTraceHeaders(const config::ConfigValue& value) {
+  return tracing::ParsePairs(
+             absl::StrJoin(std::get<std::vector<std::string>>(value), ","))
+      .status();
+}
+
 void AddRobot(Table& table) {
   table.Add(&AgentConfig::simulate,
             {.name = "simulate",
@@ -117,6 +128,27 @@ void AddServer(Table& table) {
             {.name = "token_file",
              .value_name = "FILE",
              .help = "File with the bearer token for the server"});
+  table.Add(
+      &AgentConfig::trace_endpoint,
+      {.name = "trace_endpoint",
+       .value_name = "URL",
+       .help = "Where spans of the robot's recoveries are posted to by OTLP, "
+               "like http://collector:4318/v1/traces; '': where "
+               "OpenTelemetry's variables say, or else there are none",
+       .check = CheckTraceEndpoint,
+       .secrecy = config::Secrecy::kAddress});
+  table.Add(&AgentConfig::trace_headers,
+            {.name = "trace_headers",
+             .value_name = "NAME=VALUE,...",
+             .help = "Headers to send with them, such as a collector's key",
+             .check = CheckTraceHeaders,
+             .secrecy = config::Secrecy::kSecret});
+  table.Add(&AgentConfig::trace_ratio,
+            {.name = "trace_ratio",
+             .help = "Share of the recoveries that is recorded, 0 to 1; -1: as "
+                     "OTEL_TRACES_SAMPLER says, or else all",
+             .min = -1,
+             .max = 1});
 }
 
 void AddListening(Table& table) {
@@ -236,6 +268,13 @@ const config::ConfigTable<AgentConfig>& AgentConfigTable() {
     return made;
   }();
   return *table;
+}
+
+absl::StatusOr<tracing::TracingOptions> AgentConfig::Tracing() const {
+  tracing::TracingOptions options = otel;
+  TL_RETURN_IF_ERROR(tracing::ApplySettings(trace_endpoint, trace_headers,
+                                            trace_ratio, options));
+  return options;
 }
 
 absl::StatusOr<std::optional<agent_service::RequestedPose>> ParseRequestedPose(

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/config/config_table.h"
+#include "common/tracing/tracing_options.h"
 #include "nav_agent/service/agent_commands.h"
 #include "simulation/worlds/world.h"
 
@@ -44,6 +45,9 @@ struct AgentConfig {
   std::string scene;
   std::string tls_ca;
   std::string token_file;
+  std::string trace_endpoint;
+  std::vector<std::string> trace_headers;
+  double trace_ratio = -1;
   // ---- who watches it ----
   std::string listen = "127.0.0.1:50061";
   std::string http_listen = "127.0.0.1:8081";
@@ -67,6 +71,12 @@ struct AgentConfig {
   std::string log_level = "info";
   std::string log_format = "text";
 
+  // No setting: what the environment says of OpenTelemetry, which the settings
+  // of traces override.
+  tracing::TracingOptions otel;
+
+  // Of both together. INVALID_ARGUMENT.
+  absl::StatusOr<tracing::TracingOptions> Tracing() const;
   // The state of the simulated world that people, light and rearranged ask
   // for. INVALID_ARGUMENT.
   absl::StatusOr<worlds::WorldOptions> SimulatedWorld() const;

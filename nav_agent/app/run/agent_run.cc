@@ -23,6 +23,7 @@
 #include "nav_agent/app/run/agent_loop.h"
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
+#include "nav_agent/app/run/agent_tracing.h"
 #include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/behavior/parameters.h"
@@ -155,6 +156,8 @@ class AgentProgram {
   std::unique_ptr<RecordedLaser> laser_;
   std::unique_ptr<RecordedOdometry> odometry_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
+  // Null: there are no spans.
+  std::unique_ptr<AgentTracing> tracing_;
   std::unique_ptr<core::RelocalizationPort> port_;
   std::unique_ptr<agent_service::WatchedServer> server_;
   // ---- around the navigator; what listens goes first ----
@@ -259,6 +262,7 @@ absl::Status AgentProgram::ConnectServer() {
              "there is no camera: the server cannot be asked anything");
     return absl::OkStatus();
   }
+  TL_ASSIGN_OR_RETURN(tracing_, AgentTracing::Start(config_, log_));
   relocalizer::ConnectOptions connect;
   connect.server = config_.server;
   connect.tls.ca_file = config_.tls_ca;
@@ -267,7 +271,8 @@ absl::Status AgentProgram::ConnectServer() {
       port_,
       relocalization::MakeServerRelocalization(
           connect, config_.scene.empty() ? info_.map_name : config_.scene,
-          robot_->clock()));
+          robot_->clock(),
+          tracing_ == nullptr ? nullptr : &tracing_->recovery()));
   server_ =
       std::make_unique<agent_service::WatchedServer>(*port_, query_picture_);
   return absl::OkStatus();
@@ -542,6 +547,7 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
        .duration_s = config_.duration},
       real_clock_,
       [this, &events](const std::string& kind, const std::string& text) {
+        if (tracing_ != nullptr) tracing_->recovery().OnEvent(kind, text);
         LogEvents(events.Next(kind, text));
       });
   announce_("driving");
@@ -557,6 +563,8 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
                  .Integer("steps", loop.steps())
                  .Integer("missed_deadlines", loop.missed_deadlines()));
   if (ros_robot_ != nullptr) SayTopics(*ros_robot_, log_);
+  // The robot stands.
+  if (tracing_ != nullptr) tracing_->Stop();
   return absl::OkStatus();
 }
 

@@ -8,7 +8,9 @@
 
 #include "CLI/CLI.hpp"
 #include "common/base/status_macros.h"
+#include "common/base/version.h"
 #include "common/config/config_flags.h"
+#include "common/tracing/tracing_options.h"
 #include "nav_agent/app/run/agent_run.h"
 #include "nav_agent/app/run/parameter_tables.h"
 
@@ -63,7 +65,10 @@ absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
                 ParametersAsYamlComments(AgentParameterTables()).c_str());
     return absl::OkStatus();
   }
-  const AgentConfig config = table.Make(effective);
+  AgentConfig config = table.Make(effective);
+  config.otel =
+      tracing::OptionsFromEnvironment(config::EnvironmentWith(environ, "OTEL_"),
+                                      "treeline-agent", base::Version());
   const auto log = logging::LogToStandardError(
       "treeline-agent", logging::LogFormatOf(config.log_format));
   log->SetLevel(logging::LogLevelOf(config.log_level));
@@ -72,6 +77,9 @@ absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
        config::UnknownVariables(table.settings(), sources)) {
     log->Say(logging::LogLevel::kWarn,
              "environment: no setting belongs to " + variable);
+  }
+  for (const std::string& warning : config.otel.warnings) {
+    log->Say(logging::LogLevel::kWarn, "environment: " + warning);
   }
   return RunAgent(
       config, *log,

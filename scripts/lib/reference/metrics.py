@@ -8,7 +8,8 @@ from cpp_source import (STRINGS, as_cell, braced, sources_below, text_of,
 INTRODUCTION = """\
 # Metrics
 
-What `GET /metrics` answers, in Prometheus' text format 0.0.4: of
+What `GET /metrics` answers, in Prometheus' text format 0.0.4 (of the server also
+in OpenMetrics 1.0, with exemplars): of
 `treeline-server` on `http_listen`, of `treeline-agent run` beside the
 operator's page. [operations.md](operations.md#metrics) says how the server's
 are counted and has alerts to begin with.
@@ -29,7 +30,7 @@ def declared_in(text):
             kind = match["how"][len("Add"):].lower()
             labels = braced(rest, 0) if rest.startswith("{") else ""
         else:
-            told = re.match(r"MetricType::k(\w+)", rest)
+            told = re.match(r"(?:metrics::)?MetricType::k(\w+)", rest)
             kind = told[1].lower() if told else "gauge"
             # A sample of no labels ends what belongs to the family.
             labels = " ".join(re.findall(r'\{("\w+"),', rest.split("\n}\n")[0]))

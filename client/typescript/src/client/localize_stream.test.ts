@@ -95,6 +95,18 @@ const answersCalls = (scene: string) => serve((router) => router.service(
       localize: () => ({ outcome: Outcome.NOT_LOCALIZED, scene }),
     }));
 
+test('a connection belongs to a trace, if its program has one', async () => {
+  const trace = '00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01';
+  const played = new Played().run({ token: 'abc', traceparent: () => trace });
+  await played.push(1);
+  assert.deepEqual(played.sockets[0]!.protocols,
+      ['treeline.v1', 'treeline.bearer.abc', `treeline.traceparent.${trace}`]);
+  await played.sockets[0]!.open();
+  await played.sockets[0]!.answer(0n, 'a');
+  played.queue.end();
+  await played.done;
+});
+
 test('pictures go over one connection, and answers find their picture',
     async () => {
       const played = new Played().run({ token: 'abc.def' }, { maxInFlight: 2 });

@@ -26,6 +26,8 @@ const PATH = '/treeline.v1.RelocalizationService/LocalizeStream';
 const PROTOCOL = 'treeline.v1';
 // A browser sets no headers here: the token goes as a protocol of its own.
 const TOKEN_PREFIX = 'treeline.bearer.';
+// The trace that all frames belong to, too.
+const TRACE_PREFIX = 'treeline.traceparent.';
 // What may be the name of a protocol, by RFC 9110.
 const IS_TOKEN = /^[\w!#$%&'*+.^`|~-]+$/;
 const OPEN = 1;
@@ -153,7 +155,9 @@ export class LocalizeStream {
 
   constructor(private readonly server: string,
       private readonly makeSocket: MakeSocket,
-      private readonly maxPending: number, private readonly tools: Tools) {
+      private readonly maxPending: number, private readonly tools: Tools,
+      private readonly traceparent: () => string | undefined =
+      () => undefined) {
     this.url = server.replace(/^http/, 'ws') + PATH;
   }
 
@@ -181,6 +185,8 @@ export class LocalizeStream {
     }
     const protocols = token === '' ? [PROTOCOL] :
       [PROTOCOL, TOKEN_PREFIX + token];
+    const traceparent = this.traceparent();
+    if (traceparent !== undefined) protocols.push(TRACE_PREFIX + traceparent);
     let socket;
     try {
       socket = this.makeSocket(this.url, protocols);

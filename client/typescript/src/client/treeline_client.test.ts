@@ -19,6 +19,7 @@ import { IDENTITY } from '../geometry/rigid_transform.js';
 import { serve, type Handler } from '../testing/fake_server.js';
 import { TreelineError } from './error.js';
 import { SYSTEM_TOOLS } from './retry.js';
+import { newTraceparent } from './traceparent.js';
 import { fixOf, TreelineClient, type ClientOptions } from
   './treeline_client.js';
 
@@ -353,6 +354,25 @@ test('a balancer is told of the scene where that is wanted', async (t) => {
   await naming.localize({ color: PICTURE });
   await naming.localize({ color: PICTURE, scene: 'k\u00fcche\n' });
   assert.deepEqual(named, [null, 'kitchen-2.new_1', null, null]);
+});
+
+test('calls belong to the trace of their program', async (t) => {
+  const named: (string | null)[] = [];
+  const localize: Localize = (_, { requestHeader }) => {
+    named.push(requestHeader.get('traceparent'));
+    return LOCALIZED;
+  };
+  const { url } = await serverOf(t, localize);
+  const made = newTraceparent();
+  assert.match(made, /^00-[0-9a-f]{32}-[0-9a-f]{16}-01$/);
+  assert.match(newTraceparent(false), /-00$/);
+  assert.notEqual(made, newTraceparent());
+  for (const told of [undefined, '', 'odd\n', `${made}\n`, made]) {
+    const client = new TreelineClient(
+        { servers: url, traceparent: () => told });
+    await client.localize({ color: PICTURE });
+  }
+  assert.deepEqual(named, [null, null, null, null, made]);
 });
 
 test('what is no URL is refused', () => {

@@ -20,6 +20,7 @@ import { localizeLatest, type LatestOptions, type TimedAnswer,
   type TimedQuery } from './localize_latest.js';
 import { callWithRetries, DEFAULT_RETRY, Replicas, SYSTEM_TOOLS, type Attempt,
   type RetryPolicy, type Tools } from './retry.js';
+import { isTraceparent } from './traceparent.js';
 import type { LocalizeAnswer, LocalizeQuery, RecentQuery, Scene, SceneMap,
   SceneMapOptions } from './types.js';
 
@@ -46,6 +47,10 @@ export interface ClientOptions {
    * another origin need servers that allow the header, as those of this version
    * do. Default: false. */
   readonly sceneHeader?: boolean;
+  /** Gives the span that a call belongs to, as W3C has it, whose child the
+   * server's becomes; asked before each attempt. newTraceparent() makes one.
+   * What is none is left out. */
+  readonly traceparent?: () => string | undefined;
   readonly fetch?: Fetch;
   /** Opens WebSockets for localizeLatest(); null: it makes calls. Default: the
    * one of this browser or Node, which has one from version 22 on. */
@@ -133,6 +138,7 @@ export class TreelineClient {
   private readonly attemptTimeoutMs: number | undefined;
   private readonly policy: RetryPolicy;
   private readonly sceneHeader: boolean;
+  private readonly traceparent: () => string | undefined;
   private readonly fetch: Fetch;
   private readonly tools: Tools;
   private readonly makeSocket: MakeSocket | null;
@@ -149,6 +155,7 @@ export class TreelineClient {
     this.attemptTimeoutMs = options.attemptTimeoutMs;
     this.policy = { ...DEFAULT_RETRY, ...options.retry };
     this.sceneHeader = options.sceneHeader ?? false;
+    this.traceparent = options.traceparent ?? (() => undefined);
     // A browser's fetch wants to be called as a method of its window.
     this.fetch = options.fetch ?? ((...args) => globalThis.fetch(...args));
     this.tools = options.tools ?? SYSTEM_TOOLS;
@@ -228,6 +235,7 @@ export class TreelineClient {
         method: 'POST',
         headers: {
           ...await this.authorization(),
+          ...this.traced(),
           'Content-Type': 'application/json',
           'Accept': 'application/vnd.oscp+json;version=2.0',
         },
@@ -252,7 +260,8 @@ export class TreelineClient {
     if (makeSocket === null || transport === 'calls') return null;
     const maxPending = Math.min(64, Math.max(4, maxInFlight));
     return new Map([...this.servers.keys()].map((server) => [server,
-      new LocalizeStream(server, makeSocket, maxPending, this.tools)]));
+      new LocalizeStream(server, makeSocket, maxPending, this.tools,
+          () => this.traced().traceparent)]));
   }
 
   private async localizeOver(streams: Streams | null, query: LocalizeQuery,
@@ -317,7 +326,8 @@ export class TreelineClient {
       // The protocol has whole milliseconds, and none of 0.
       timeoutMs: Math.max(1, Math.floor(timeoutMs)),
       signal,
-      headers: { ...await this.authorization(), ...this.sceneNamed(scene) },
+      headers: { ...await this.authorization(), ...this.sceneNamed(scene),
+        ...this.traced() },
     };
   }
 
@@ -351,6 +361,12 @@ export class TreelineClient {
   private sceneNamed(scene = ''): Record<string, string> {
     return this.sceneHeader && IS_SCENE_NAME.test(scene) ?
       { 'X-Treeline-Scene': scene } : {};
+  }
+
+  private traced(): { traceparent?: string } {
+    const traceparent = this.traceparent();
+    return traceparent !== undefined && isTraceparent(traceparent) ?
+      { traceparent } : {};
   }
 
   private async authorization(): Promise<Record<string, string>> {

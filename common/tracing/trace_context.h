@@ -1,21 +1,23 @@
-// Which distributed trace a call belongs to:
+// Which distributed trace something belongs to:
 // https://www.w3.org/TR/trace-context
-#ifndef SERVER_SERVICE_TRACE_CONTEXT_H_
-#define SERVER_SERVICE_TRACE_CONTEXT_H_
+#ifndef COMMON_TRACING_TRACE_CONTEXT_H_
+#define COMMON_TRACING_TRACE_CONTEXT_H_
 
 #include <optional>
 #include <string>
 
 #include "absl/strings/string_view.h"
 
-namespace treeline::service {
+namespace treeline::tracing {
 
+// A span's place in a trace.
 struct TraceContext {
   // 32 lower-case hexadecimal digits, not all 0.
   std::string trace_id;
-  // Of the caller's span ("parent-id"): 16 of them, not all 0.
+  // Of the span ("parent-id" where a caller tells of it): 16 of them, not all
+  // 0.
   std::string span_id;
-  // Whether the caller records the trace.
+  // Whether the trace is recorded.
   bool sampled = false;
 };
 
@@ -25,6 +27,9 @@ struct TraceContext {
 // anywhere unescaped.
 std::optional<TraceContext> ParseTraceparent(absl::string_view header);
 
-}  // namespace treeline::service
+// The header that makes `context` the caller's.
+std::string Traceparent(const TraceContext& context);
 
-#endif  // SERVER_SERVICE_TRACE_CONTEXT_H_
+}  // namespace treeline::tracing
+
+#endif  // COMMON_TRACING_TRACE_CONTEXT_H_

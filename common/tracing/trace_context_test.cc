@@ -1,10 +1,10 @@
-#include "server/service/trace_context.h"
+#include "common/tracing/trace_context.h"
 
 #include <string>
 
 #include "gtest/gtest.h"
 
-namespace treeline::service {
+namespace treeline::tracing {
 namespace {
 
 // The standard's own example.
@@ -17,6 +17,13 @@ TEST(TraceContext, ReadsItsParts) {
   EXPECT_EQ(context->trace_id, "0af7651916cd43dd8448eb211c80319c");
   EXPECT_EQ(context->span_id, "b7ad6b7169203331");
   EXPECT_TRUE(context->sampled);
+}
+
+TEST(TraceContext, IsWrittenAsItIsRead) {
+  EXPECT_EQ(Traceparent(*ParseTraceparent(kExample)), kExample);
+  std::string header = kExample;
+  header.replace(53, 2, "00");
+  EXPECT_EQ(Traceparent(*ParseTraceparent(header)), header);
 }
 
 TEST(TraceContext, OnlyTheLastFlagMeansSampled) {
@@ -72,4 +79,4 @@ TEST(TraceContext, EveryPlaceTakesItsOwnBytesOnly) {
 }
 
 }  // namespace
-}  // namespace treeline::service
+}  // namespace treeline::tracing

@@ -1,8 +1,10 @@
-#include "server/service/trace_context.h"
+#include "common/tracing/trace_context.h"
 
 #include <algorithm>
 
-namespace treeline::service {
+#include "absl/strings/str_cat.h"
+
+namespace treeline::tracing {
 namespace {
 
 constexpr size_t kLength = 55;
@@ -42,4 +44,9 @@ std::optional<TraceContext> ParseTraceparent(absl::string_view header) {
                       (DigitOf(flags[1]) & 1) != 0};
 }
 
-}  // namespace treeline::service
+std::string Traceparent(const TraceContext& context) {
+  return absl::StrCat("00-", context.trace_id, "-", context.span_id,
+                      context.sampled ? "-01" : "-00");
+}
+
+}  // namespace treeline::tracing
