@@ -17,6 +17,7 @@
 #include "absl/time/time.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/behavior/navigator.h"
+#include "nav_agent/routes/route_progress.h"
 
 namespace treeline::agent_service {
 
@@ -53,6 +54,11 @@ struct AgentState {
   int64_t missed_deadlines = 0;
   // ZoneBook's.
   uint64_t zones_revision = 0;
+  // Under way, or the last; whether a restart finds it; and RouteBook's
+  // revision, with each route that begins counted, too.
+  std::optional<routes::RouteStatus> route = std::nullopt;
+  absl::Status route_keeping = {};
+  uint64_t routes_revision = 0;
 };
 
 struct AgentHubOptions {

@@ -361,6 +361,65 @@ TEST_F(AgentRunTest, ZonesThatCannotBeReadAreNoReasonToDriveWithoutThem) {
   EXPECT_THAT(agent.err(), HasSubstr("it does not drive without them"));
 }
 
+// Killed on its way to the second of two waypoints.
+TEST_F(AgentRunTest, ARouteIsOfferedAfterARestartAndGoesOn) {
+  const std::vector<std::string> arguments = {"--simulate",
+                                              "cafe",
+                                              "--people=false",
+                                              "--camera-hz",
+                                              "0",
+                                              "--speed",
+                                              "4",
+                                              "--state-dir",
+                                              folder_ + "/state"};
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  v1::RunRouteRequest run;
+  v1::Route& route = *run.mutable_route();
+  route.set_name("patrol");
+  for (const double x_m : {2.6, kGoalX_m}) {
+    v1::Waypoint& waypoint = *route.add_waypoints();
+    waypoint.set_x_m(x_m);
+    waypoint.set_y_m(kGoalY_m);
+  }
+  {
+    grpc::ClientContext context;
+    const auto stream = stub_->RunRoute(&context, run);
+    v1::RunRouteResponse feedback;
+    while (stream->Read(&feedback) && feedback.route().waypoint() == 0) {
+    }
+    EXPECT_EQ(feedback.route().waypoint(), 1) << feedback.ShortDebugString();
+    EXPECT_TRUE(feedback.route().survives_restart());
+    agent_->Signal(SIGKILL);
+    agent_->WaitForExit();
+  }
+
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  EXPECT_THAT(agent_->err(), HasSubstr("waits to be resumed"));
+  v1::GetRoutesResponse routes;
+  {
+    grpc::ClientContext context;
+    StateWhere([](const Json& state) { return state["mode"] == "idle"; });
+    ASSERT_TRUE(stub_->GetRoutes(&context, {}, &routes).ok());
+  }
+  EXPECT_EQ(routes.current().name(), "patrol");
+  EXPECT_EQ(routes.current().waypoints_size(), 2);
+  EXPECT_EQ(routes.routes_size(), 0);
+  {
+    grpc::ClientContext context;
+    v1::ResumeRouteResponse resumed;
+    ASSERT_TRUE(stub_->ResumeRoute(&context, {}, &resumed).ok());
+  }
+  const Json arrived = StateWhere([](const Json& state) {
+    return !state["goal"].is_null() && state["goal"]["state"] == "succeeded";
+  });
+  ASSERT_FALSE(arrived.is_null()) << agent_->err();
+  EXPECT_NEAR(arrived["truth"]["x"], kGoalX_m, 0.4);
+  EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
+              HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1"));
+  agent_->Signal(SIGTERM);
+  EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
+}
+
 TEST_F(AgentRunTest, AStopFileThatIsNotUnderstoodIsAStop) {
   std::filesystem::create_directories(folder_ + "/state");
   ASSERT_TRUE(

@@ -162,6 +162,7 @@ class AgentProgram {
   agent_service::AgentMetrics metrics_;
   std::unique_ptr<agent_service::StopFile> stops_;
   std::unique_ptr<agent_service::ZoneBook> zones_;
+  std::unique_ptr<agent_service::RouteDesk> routes_;
   std::unique_ptr<agent_service::AgentCommands> commands_;
   std::unique_ptr<behavior::Navigator> navigator_;
   std::unique_ptr<agent_service::HttpApi> api_;
@@ -290,8 +291,12 @@ absl::Status AgentProgram::Listen() {
         absl::StrCat("the robot starts stopped, until it is released: ", *why));
   }
   TL_RETURN_IF_ERROR(ReadZones());
+  TL_ASSIGN_OR_RETURN(routes_, agent_service::RouteDesk::Open(
+                                   static_cast<int>(map_->levels.levels.size()),
+                                   config_.state_dir));
   commands_ = std::make_unique<agent_service::AgentCommands>(
-      hub_, info_, robot_->simulation(), stops_.get(), zones_.get());
+      hub_, info_, robot_->simulation(), stops_.get(), zones_.get(),
+      routes_.get());
   if (!config_.listen.empty()) {
     TL_ASSIGN_OR_RETURN(
         grpc_,
@@ -470,6 +475,10 @@ absl::Status AgentProgram::PlaceRobot() {
 absl::Status AgentProgram::GiveOrders() {
   commands_->StopAsKept(*navigator_);
   TL_RETURN_IF_ERROR(navigator_->SetZones(zones_->contents().map));
+  if (const absl::Status offered = routes_->Offer(robot_->clock().Now());
+      !offered.ok()) {
+    log_.Say(logging::LogLevel::kWarn, std::string(offered.message()));
+  }
   TL_ASSIGN_OR_RETURN(std::optional<agent_service::RequestedPose> start,
                       ParseRequestedPose(config_.start_at, "--start-at"));
   const std::optional<geometry::Rigid3> truth = robot_->TrueMapFromBase();

@@ -14,7 +14,8 @@ const stateOf = (fields: Partial<RobotState>): RobotState => ({
   lost: { probability: 0, state: 'localized', reason: 'none' },
   command: { forward: 0, yawRate: 0 }, goal: null, fix: null, devices: [],
   truth: null,
-  stop: null, missedDeadlines: 0, zonesRevision: 0, steps: 0, ...fields,
+  stop: null, missedDeadlines: 0, zonesRevision: 0, route: null, routesRevision: 0,
+  steps: 0, ...fields,
 });
 
 const goalOf = (fields: Partial<Goal>): Goal => ({

@@ -68,6 +68,11 @@ export function isPaused(state: RobotState): boolean {
 }
 
 export function sayState(state: RobotState): Saying {
+  const { route } = state;
+  if (route?.state === 'waiting' && keyOf(state.mode) === 'idle') {
+    return { title: 'Waiting', tone: 'busy',
+      text: `At a waypoint, for ${Math.ceil(route.wait - route.waited)} s.` };
+  }
   const known = MODES[keyOf(state.mode)];
   const saying: Saying = known ??
       { title: plain(state.mode || 'unknown'), text: '', tone: 'calm' };
