@@ -30,6 +30,7 @@
 namespace treeline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
@@ -167,6 +168,14 @@ class AgentRunTest : public testing::Test {
     v1::NavigateResponse first;
     if (stream->Read(&first)) context.TryCancel();
     return stream->Finish();
+  }
+  // A command of the program's own that talks to the agent: what it printed.
+  std::string Ask(std::vector<std::string> command, int wanted_exit = 0) {
+    command.insert(command.begin(), TREELINE_AGENT);
+    command.insert(command.end(), {"--agent", grpc_});
+    const ProgramResult result = RunProgram(command);
+    EXPECT_EQ(result.exit_code, wanted_exit) << result.err;
+    return result.out + result.err;
   }
   int Post(const std::string& path, const std::string& body) const {
     const auto answer = httplib::Client(page_).Post(path, {{"X-Treeline", "1"}},
@@ -327,6 +336,14 @@ TEST_F(AgentRunTest, ZonesHoldOverARestart) {
 
   ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
   refused();
+  EXPECT_THAT(Ask({"zones", "list"}),
+              AllOf(HasSubstr("counter: keep-out, level 0, 4 corners\n"),
+                    HasSubstr("a mask file\n")));
+  const std::string drawn = folder_ + "/zones.yaml";
+  ASSERT_TRUE(base::WriteNewFile(drawn, Ask({"zones", "export"})).ok());
+  Ask({"zones", "delete", "counter"});
+  Ask({"zones", "delete", "counter"}, 1);
+  EXPECT_THAT(Ask({"zones", "save", drawn}), HasSubstr("zones drawn: 1"));
   v1::GetZonesResponse found;
   {
     grpc::ClientContext context;
@@ -363,16 +380,19 @@ TEST_F(AgentRunTest, ZonesThatCannotBeReadAreNoReasonToDriveWithoutThem) {
 
 // Killed on its way to the second of two waypoints.
 TEST_F(AgentRunTest, ARouteIsOfferedAfterARestartAndGoesOn) {
-  const std::vector<std::string> arguments = {"--simulate",
-                                              "cafe",
-                                              "--people=false",
-                                              "--camera-hz",
-                                              "0",
-                                              "--speed",
-                                              "4",
-                                              "--state-dir",
-                                              folder_ + "/state"};
+  const std::vector<std::string> arguments = {
+      "--simulate", "cafe", "--people=false", "--camera-hz",     "0",
+      "--speed",    "4",    "--state-dir",    folder_ + "/state"};
+  const std::string file = folder_ + "/routes.yaml";
+  ASSERT_TRUE(base::WriteNewFile(file,
+                                 "routes:\n"
+                                 "  - name: \"rounds\"\n"
+                                 "    loop: true\n"
+                                 "    waypoints:\n"
+                                 "      - {x: 2.6, y: 7.7, wait: 5}\n")
+                  .ok());
   ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  EXPECT_THAT(Ask({"route", "save", file}), HasSubstr("routes kept: 1"));
   v1::RunRouteRequest run;
   v1::Route& route = *run.mutable_route();
   route.set_name("patrol");
@@ -395,27 +415,22 @@ TEST_F(AgentRunTest, ARouteIsOfferedAfterARestartAndGoesOn) {
 
   ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
   EXPECT_THAT(agent_->err(), HasSubstr("waits to be resumed"));
-  v1::GetRoutesResponse routes;
-  {
-    grpc::ClientContext context;
-    StateWhere([](const Json& state) { return state["mode"] == "idle"; });
-    ASSERT_TRUE(stub_->GetRoutes(&context, {}, &routes).ok());
-  }
-  EXPECT_EQ(routes.current().name(), "patrol");
-  EXPECT_EQ(routes.current().waypoints_size(), 2);
-  EXPECT_EQ(routes.routes_size(), 0);
-  {
-    grpc::ClientContext context;
-    v1::ResumeRouteResponse resumed;
-    ASSERT_TRUE(stub_->ResumeRoute(&context, {}, &resumed).ok());
-  }
+  StateWhere([](const Json& state) { return state["mode"] == "idle"; });
+  EXPECT_THAT(Ask({"route", "list"}),
+              AllOf(HasSubstr("rounds: 1 waypoint in a loop, waits 5 s\n"),
+                    HasSubstr("offered: patrol\n")));
+  EXPECT_EQ(Ask({"route", "export"}), *base::ReadFile(file));
+  EXPECT_THAT(Ask({"route", "run", "nowhere"}, 1),
+              HasSubstr("no route is called 'nowhere'; there are: 'rounds'"));
+  Ask({"route", "resume"});
   const Json arrived = StateWhere([](const Json& state) {
     return !state["goal"].is_null() && state["goal"]["state"] == "succeeded";
   });
   ASSERT_FALSE(arrived.is_null()) << agent_->err();
   EXPECT_NEAR(arrived["truth"]["x"], kGoalX_m, 0.4);
-  EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
-              HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1"));
+  EXPECT_THAT(
+      httplib::Client(page_).Get("/metrics")->body,
+      HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1"));
   agent_->Signal(SIGTERM);
   EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
 }

@@ -39,7 +39,7 @@ export class RoutesPanel {
     on: { input: () => this.draft.setWait(Number(this.wait.value)) },
   });
   private readonly loop = this.check('route-loop', 'Loop');
-  private readonly stops = this.check('route-stops', 'Stop at a missed one');
+  private readonly stops = this.check('route-stops', 'Stop if one is missed');
   private readonly name = el('input', {
     id: 'route-name', class: 'route-name',
     attributes: {
@@ -65,8 +65,8 @@ export class RoutesPanel {
     el('div', { class: 'row' },
         el('label', { class: 'zone-speed' }, el('span', {}, 'Wait'), this.wait,
             el('span', {}, 's')),
-        this.loop.row, this.stops.row, this.undo),
-    el('div', { class: 'row' }, this.name, this.save, this.run));
+        this.loop.row, this.stops.row),
+    el('div', { class: 'row' }, this.name, this.undo, this.save, this.run));
     this.element = el('details', { class: 'card', id: 'routes' },
         el('summary', {}, 'Routes'),
         el('div', { class: 'needs-link' }, this.none, this.list,
