@@ -15,11 +15,15 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/app/navigate/agent_stub.h"
 #include "nav_agent/app/run/agent_config.h"
+#include "nav_agent/service/agent_stub.h"
 
 namespace treeline::navigate_app {
 namespace {
+
+using agent_service::AgentStub;
+using agent_service::CallStatus;
+using agent_service::EnumWord;
 
 constexpr const char* kFooter = R"(
 Shows how the robot gets on until it is there. Ctrl-C cancels the goal, unless
@@ -30,7 +34,7 @@ Examples:
   treeline-agent navigate --agent 127.0.0.1:50061 4,2,0 7.5,1,1.57,1)";
 
 struct NavigateFlags {
-  std::string agent = kAgentAddress;
+  std::string agent = agent_service::kAgentAddress;
   std::vector<std::string> poses;
   bool keep = false;
   bool quiet = false;

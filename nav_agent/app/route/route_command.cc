@@ -11,14 +11,15 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/app/navigate/agent_stub.h"
 #include "nav_agent/app/route/route_yaml.h"
+#include "nav_agent/service/agent_stub.h"
+#include "nav_agent/service/routes_wire.h"
 
 namespace treeline::route_app {
 namespace {
 
-using navigate_app::CallStatus;
-using navigate_app::EnumWord;
+using agent_service::CallStatus;
+using agent_service::EnumWord;
 
 constexpr const char* kFooter = R"(
 Files of routes: docs/reference/routes.md.
@@ -35,7 +36,7 @@ interrupted. Waypoints that were missed are listed either way.)";
 constexpr uint64_t kMaxFileBytes = 1u << 20;
 
 struct RouteFlags {
-  std::string agent = navigate_app::kAgentAddress;
+  std::string agent = agent_service::kAgentAddress;
   std::string file;
   std::vector<std::string> names;
   int first = 1;
@@ -48,11 +49,11 @@ absl::StatusOr<v1::GetRoutesResponse> GetRoutes(const RouteFlags& flags) {
   v1::GetRoutesResponse routes;
   TL_RETURN_IF_ERROR(CallStatus(
       flags.agent,
-      navigate_app::AgentStub(flags.agent)->GetRoutes(&context, {}, &routes)));
+      agent_service::AgentStub(flags.agent)->GetRoutes(&context, {}, &routes)));
   return routes;
 }
 
-absl::StatusOr<std::vector<v1::Route>> ReadRoutes(const std::string& path) {
+absl::StatusOr<std::vector<routes::Route>> ReadRoutes(const std::string& path) {
   TL_ASSIGN_OR_RETURN(const std::string text,
                       base::ReadFile(path, kMaxFileBytes));
   return ParseRoutes(text, path);
@@ -63,8 +64,8 @@ void Warn(const std::string& warning) {
 }
 
 absl::Status List(const RouteFlags& flags) {
-  TL_ASSIGN_OR_RETURN(const v1::GetRoutesResponse routes, GetRoutes(flags));
-  for (const v1::Route& route : routes.routes()) {
+  TL_ASSIGN_OR_RETURN(const v1::GetRoutesResponse found, GetRoutes(flags));
+  for (const v1::Route& route : found.routes()) {
     double wait_s = 0;
     for (const v1::Waypoint& waypoint : route.waypoints()) {
       wait_s += waypoint.wait_s();
@@ -73,33 +74,39 @@ absl::Status List(const RouteFlags& flags) {
                 route.waypoints_size(), route.waypoints_size() == 1 ? "" : "s",
                 route.loop() ? " in a loop" : "", wait_s);
   }
-  if (routes.routes().empty()) std::printf("no route is kept\n");
-  if (routes.has_current()) {
+  if (found.routes().empty()) std::printf("no route is kept\n");
+  if (found.has_current()) {
     std::printf("under way, held or offered: %s\n",
-                routes.current().name().empty()
+                found.current().name().empty()
                     ? "a route without a name"
-                    : routes.current().name().c_str());
+                    : found.current().name().c_str());
   }
-  Warn(routes.warning());
+  Warn(found.warning());
   return absl::OkStatus();
 }
 
 absl::Status Export(const RouteFlags& flags) {
-  TL_ASSIGN_OR_RETURN(const v1::GetRoutesResponse routes, GetRoutes(flags));
-  std::printf(
-      "%s",
-      RoutesText({routes.routes().begin(), routes.routes().end()}).c_str());
+  TL_ASSIGN_OR_RETURN(const v1::GetRoutesResponse found, GetRoutes(flags));
+  std::vector<routes::Route> kept;
+  for (const v1::Route& proto : found.routes()) {
+    TL_ASSIGN_OR_RETURN(routes::Route route, agent_service::FromProto(proto));
+    kept.push_back(std::move(route));
+  }
+  std::printf("%s", RoutesText(kept).c_str());
   return absl::OkStatus();
 }
 
 absl::Status Save(const RouteFlags& flags) {
-  TL_ASSIGN_OR_RETURN(std::vector<v1::Route> routes, ReadRoutes(flags.file));
+  TL_ASSIGN_OR_RETURN(const std::vector<routes::Route> routes,
+                      ReadRoutes(flags.file));
   v1::PutRoutesRequest request;
-  request.mutable_routes()->Add(routes.begin(), routes.end());
+  for (const routes::Route& route : routes) {
+    *request.add_routes() = agent_service::ToProto(route);
+  }
   grpc::ClientContext context;
   v1::PutRoutesResponse response;
   TL_RETURN_IF_ERROR(
-      CallStatus(flags.agent, navigate_app::AgentStub(flags.agent)
+      CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
                                   ->PutRoutes(&context, request, &response)));
   std::printf("routes kept: %d\n", request.routes_size());
   Warn(response.warning());
@@ -112,21 +119,21 @@ absl::Status Delete(const RouteFlags& flags) {
   grpc::ClientContext context;
   v1::RemoveRoutesResponse response;
   return CallStatus(flags.agent,
-                    navigate_app::AgentStub(flags.agent)
+                    agent_service::AgentStub(flags.agent)
                         ->RemoveRoutes(&context, request, &response));
 }
 
 absl::Status Resume(const RouteFlags& flags) {
   grpc::ClientContext context;
   v1::ResumeRouteResponse response;
-  return CallStatus(flags.agent, navigate_app::AgentStub(flags.agent)
+  return CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
                                      ->ResumeRoute(&context, {}, &response));
 }
 
 absl::Status Cancel(const RouteFlags& flags) {
   grpc::ClientContext context;
   v1::CancelRouteResponse response;
-  return CallStatus(flags.agent, navigate_app::AgentStub(flags.agent)
+  return CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
                                      ->CancelRoute(&context, {}, &response));
 }
 
@@ -142,10 +149,11 @@ absl::StatusOr<v1::RunRouteRequest> RequestOf(const RouteFlags& flags) {
   if (flags.file.empty()) {
     request.set_kept(name);
   } else {
-    TL_ASSIGN_OR_RETURN(std::vector<v1::Route> routes, ReadRoutes(flags.file));
-    for (v1::Route& route : routes) {
-      if (!name.empty() && route.name() != name) continue;
-      *request.mutable_route() = std::move(route);
+    TL_ASSIGN_OR_RETURN(const std::vector<routes::Route> routes,
+                        ReadRoutes(flags.file));
+    for (const routes::Route& route : routes) {
+      if (!name.empty() && route.name != name) continue;
+      *request.mutable_route() = agent_service::ToProto(route);
       break;
     }
     if (!request.has_route()) {
@@ -194,7 +202,7 @@ absl::Status ResultOf(const v1::RouteStatus& route) {
 
 absl::Status Run(const RouteFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const v1::RunRouteRequest request, RequestOf(flags));
-  const auto stub = navigate_app::AgentStub(flags.agent);
+  const auto stub = agent_service::AgentStub(flags.agent);
   grpc::ClientContext context;
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->RunRoute(&context, request);

@@ -9,25 +9,19 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(RouteYamlTest, WhatIsWrittenIsRead) {
-  v1::Route route;
-  route.set_name("the \"night\" patrol: Küche");
-  route.set_loop(true);
-  route.set_when_missed(v1::MISSED_POLICY_STOP);
-  v1::Waypoint& first = *route.add_waypoints();
-  first.set_x_m(-1.25);
-  first.set_yaw_rad(0);
-  first.set_wait_s(10);
-  first.set_name("1");
-  route.add_waypoints()->set_level(2);
-  v1::Route other;
-  other.set_name("b");
-  other.set_when_missed(v1::MISSED_POLICY_GO_ON);
-  other.add_waypoints()->set_y_m(3);
-  const auto read = ParseRoutes(RoutesText({route, other}), "a.yaml");
+  const std::vector<routes::Route> routes = {
+      {.name = "the \"night\" patrol: Küche",
+       .waypoints = {{.position_in_map = {-1.25, 0},
+                      .yaw_rad = 0,
+                      .wait_s = 10,
+                      .name = "1"},
+                     {.level = 2}},
+       .is_loop = true,
+       .when_missed = routes::MissedPolicy::kStop},
+      {.name = "b", .waypoints = {{.position_in_map = {0, 3}}}}};
+  const auto read = ParseRoutes(RoutesText(routes), "a.yaml");
   ASSERT_TRUE(read.ok()) << read.status();
-  ASSERT_EQ(read->size(), 2U);
-  EXPECT_EQ((*read)[0].ShortDebugString(), route.ShortDebugString());
-  EXPECT_EQ((*read)[1].ShortDebugString(), other.ShortDebugString());
+  EXPECT_EQ(*read, routes);
 }
 
 TEST(RouteYamlTest, MistakesAreNamedWithTheirLine) {

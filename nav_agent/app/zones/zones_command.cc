@@ -3,19 +3,22 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/str_replace.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/app/navigate/agent_stub.h"
 #include "nav_agent/app/zones/zones_yaml.h"
+#include "nav_agent/service/agent_stub.h"
+#include "nav_agent/service/zones_wire.h"
 
 namespace treeline::zones_app {
 namespace {
 
-using navigate_app::AgentStub;
-using navigate_app::CallStatus;
+using agent_service::AgentStub;
+using agent_service::CallStatus;
 
 constexpr const char* kFooter = R"(
 Files of zones: docs/reference/zones.md.
@@ -28,7 +31,7 @@ Examples:
 constexpr uint64_t kMaxFileBytes = 1u << 20;
 
 struct ZonesFlags {
-  std::string agent = navigate_app::kAgentAddress;
+  std::string agent = agent_service::kAgentAddress;
   std::string file;
   std::vector<std::string> names;
 };
@@ -41,41 +44,55 @@ absl::StatusOr<v1::GetZonesResponse> GetZones(const ZonesFlags& flags) {
   return zones;
 }
 
+// "keep-out".
+std::string KindWord(v1::ZoneKind kind) {
+  return absl::StrReplaceAll(
+      agent_service::EnumWord(v1::ZoneKind_Name(kind), "ZONE_KIND_"),
+      {{"_", "-"}});
+}
+
 void Warn(const std::string& warning) {
   if (!warning.empty()) std::fprintf(stderr, "note: %s\n", warning.c_str());
 }
 
 absl::Status List(const ZonesFlags& flags) {
-  TL_ASSIGN_OR_RETURN(const v1::GetZonesResponse zones, GetZones(flags));
-  for (const v1::Zone& zone : zones.zones()) {
+  TL_ASSIGN_OR_RETURN(const v1::GetZonesResponse found, GetZones(flags));
+  for (const v1::Zone& zone : found.zones()) {
     std::printf("%s: %s, level %d, %d corners\n", zone.name().c_str(),
-                KindName(zone.kind()), zone.level(), zone.corners_size());
+                KindWord(zone.kind()).c_str(), zone.level(),
+                zone.corners_size());
   }
-  for (const v1::ZoneMask& mask : zones.masks()) {
+  for (const v1::ZoneMask& mask : found.masks()) {
     std::printf("%s: %s, level %d, a mask file\n", mask.name().c_str(),
-                KindName(mask.kind()), mask.level());
+                KindWord(mask.kind()).c_str(), mask.level());
   }
-  if (zones.zones().empty() && zones.masks().empty()) {
+  if (found.zones().empty() && found.masks().empty()) {
     std::printf("there are no zones\n");
   }
-  Warn(zones.warning());
+  Warn(found.warning());
   return absl::OkStatus();
 }
 
 absl::Status Export(const ZonesFlags& flags) {
-  TL_ASSIGN_OR_RETURN(const v1::GetZonesResponse zones, GetZones(flags));
-  std::printf("%s",
-              ZonesText({zones.zones().begin(), zones.zones().end()}).c_str());
+  TL_ASSIGN_OR_RETURN(const v1::GetZonesResponse found, GetZones(flags));
+  std::vector<zones::Zone> drawn;
+  for (const v1::Zone& proto : found.zones()) {
+    TL_ASSIGN_OR_RETURN(zones::Zone zone, agent_service::FromProto(proto));
+    drawn.push_back(std::move(zone));
+  }
+  std::printf("%s", ZonesText(drawn).c_str());
   return absl::OkStatus();
 }
 
 absl::Status Save(const ZonesFlags& flags) {
   TL_ASSIGN_OR_RETURN(const std::string text,
                       base::ReadFile(flags.file, kMaxFileBytes));
-  TL_ASSIGN_OR_RETURN(const std::vector<v1::Zone> zones,
+  TL_ASSIGN_OR_RETURN(const std::vector<zones::Zone> drawn,
                       ParseZones(text, flags.file));
   v1::PutZonesRequest request;
-  request.mutable_zones()->Add(zones.begin(), zones.end());
+  for (const zones::Zone& zone : drawn) {
+    *request.add_zones() = agent_service::ToProto(zone);
+  }
   grpc::ClientContext context;
   v1::PutZonesResponse response;
   TL_RETURN_IF_ERROR(CallStatus(

@@ -7,20 +7,17 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "treeline/v1/zones.pb.h"
+#include "nav_agent/zones/zone.h"
 
 namespace treeline::zones_app {
 
 // As docs/reference/zones.md has it. INVALID_ARGUMENT: "FILE:LINE: ..."; what a
 // zone means on a map the agent says. Safe on any bytes.
-absl::StatusOr<std::vector<v1::Zone>> ParseZones(absl::string_view text,
-                                                 absl::string_view name);
-
-// "keep-out" and so on; "unknown" for what is newer than this program.
-const char* KindName(v1::ZoneKind kind);
+absl::StatusOr<std::vector<zones::Zone>> ParseZones(absl::string_view text,
+                                                    absl::string_view name);
 
 // What ParseZones reads.
-std::string ZonesText(const std::vector<v1::Zone>& zones);
+std::string ZonesText(const std::vector<zones::Zone>& zones);
 
 }  // namespace treeline::zones_app
 

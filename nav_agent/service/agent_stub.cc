@@ -1,11 +1,11 @@
-#include "nav_agent/app/navigate/agent_stub.h"
+#include "nav_agent/service/agent_stub.h"
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 #include "common/wire/status.h"
 
-namespace treeline::navigate_app {
+namespace treeline::agent_service {
 
 std::unique_ptr<v1::NavigationService::Stub> AgentStub(
     const std::string& address) {
@@ -22,4 +22,4 @@ std::string EnumWord(const std::string& name, absl::string_view prefix) {
   return absl::AsciiStrToLower(absl::StripPrefix(name, prefix));
 }
 
-}  // namespace treeline::navigate_app
+}  // namespace treeline::agent_service

@@ -1,6 +1,6 @@
 // A running agent, as commands in a shell talk to it.
-#ifndef NAV_AGENT_APP_NAVIGATE_AGENT_STUB_H_
-#define NAV_AGENT_APP_NAVIGATE_AGENT_STUB_H_
+#ifndef NAV_AGENT_SERVICE_AGENT_STUB_H_
+#define NAV_AGENT_SERVICE_AGENT_STUB_H_
 
 #include <grpcpp/grpcpp.h>
 
@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
-namespace treeline::navigate_app {
+namespace treeline::agent_service {
 
 // Where `treeline-agent run` answers gRPC unless it is told otherwise.
 inline constexpr char kAgentAddress[] = "127.0.0.1:50061";
@@ -25,6 +25,6 @@ absl::Status CallStatus(const std::string& address, const grpc::Status& status);
 // "NAVIGATOR_MODE_DRIVING" -> "driving".
 std::string EnumWord(const std::string& name, absl::string_view prefix);
 
-}  // namespace treeline::navigate_app
+}  // namespace treeline::agent_service
 
-#endif  // NAV_AGENT_APP_NAVIGATE_AGENT_STUB_H_
+#endif  // NAV_AGENT_SERVICE_AGENT_STUB_H_
