@@ -51,6 +51,10 @@ AgentMetrics::AgentMetrics()
                                    "1 while the device runs", {"device"})),
       modes_(&registry_.AddGauge("treeline_agent_mode",
                                  "1 for the robot's present mode", {"mode"})),
+      battery_volts_(&registry_.AddGauge("treeline_agent_battery_volts",
+                                         "Of the robot's battery, V", {})),
+      battery_charge_(&registry_.AddGauge("treeline_agent_battery_charge_ratio",
+                                          "Of a full battery, in [0, 1]", {})),
       routes_(&registry_.AddCounter("treeline_agent_routes_total",
                                     "Finished routes, by outcome",
                                     {"outcome"})),
@@ -127,6 +131,12 @@ void AgentMetrics::ObserveState(const AgentState& state) {
       snapshot.mode == behavior::NavigatorMode::kNeedHelp;
   if (is_lost && !was_lost_) lost_->Add();
   was_lost_ = is_lost;
+  if (state.battery.has_value() && state.battery->voltage_v > 0) {
+    battery_volts_->With({}).Set(state.battery->voltage_v);
+  }
+  if (state.battery.has_value() && state.battery->charge.has_value()) {
+    battery_charge_->With({}).Set(*state.battery->charge);
+  }
   ObserveGoal(snapshot.goal);
   ObserveFix(snapshot);
   ObserveRoute(state.route);

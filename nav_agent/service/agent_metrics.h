@@ -40,6 +40,9 @@ class AgentMetrics {
   metrics::MetricFamily<metrics::Counter>* fixes_;
   metrics::MetricFamily<metrics::Gauge>* devices_;
   metrics::MetricFamily<metrics::Gauge>* modes_;
+  // Of a battery that tells, alone.
+  metrics::MetricFamily<metrics::Gauge>* battery_volts_;
+  metrics::MetricFamily<metrics::Gauge>* battery_charge_;
   metrics::MetricFamily<metrics::Counter>* routes_;
   metrics::MetricFamily<metrics::Counter>* waypoints_;
   metrics::Counter* recoveries_;

@@ -74,6 +74,22 @@ TEST(AgentMetrics, CountsRoutesAndWaypointsButNotThoseBeforeARestart) {
       HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1\n"));
 }
 
+TEST(AgentMetrics, ABatteryThatTellsNothingIsNotShown) {
+  AgentMetrics metrics;
+  AgentState state;
+  metrics.ObserveState(state);
+  state.battery = core::Battery{.voltage_v = 74.5};
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(),
+              HasSubstr("treeline_agent_battery_volts 74.5\n"));
+  EXPECT_THAT(metrics.Expose(),
+              Not(HasSubstr("\ntreeline_agent_battery_charge_ratio ")));
+  state.battery->charge = 0.25;
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(),
+              HasSubstr("treeline_agent_battery_charge_ratio 0.25\n"));
+}
+
 TEST(AgentMetrics, CountsTimesLostAndFixes) {
   AgentMetrics metrics;
   AgentState state;

@@ -190,6 +190,15 @@ v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state) {
   }
   proto.set_steps(snapshot.steps);
   proto.set_missed_deadlines(state.missed_deadlines);
+  if (state.battery.has_value()) {
+    v1::BatteryStatus& battery = *proto.mutable_battery();
+    battery.set_voltage_v(state.battery->voltage_v);
+    if (state.battery->charge.has_value()) {
+      battery.set_charge(*state.battery->charge);
+    }
+    battery.set_charging(
+        static_cast<v1::BatteryCharging>(state.battery->charging));
+  }
   proto.set_zones_revision(state.zones_revision);
   if (state.route.has_value()) {
     *proto.mutable_route() = ToProto(*state.route, state.route_keeping);

@@ -72,6 +72,7 @@ export class MockAgent {
     this.fix = null;
     this.stopped = undefined;
     this.stopWarning = '';
+    this.battery = undefined;
     this.zones = [];
     this.masks = [];
     this.zonesRevision = 1n;
@@ -227,6 +228,7 @@ export class MockAgent {
       zonesRevision: this.zonesRevision,
       routesRevision: this.routesRevision,
       ...this.route && { route: this.route },
+      ...this.battery && { battery: this.battery },
     };
   }
 

@@ -87,6 +87,10 @@ test('the robot is told where it is', async () => {
 
 test('buttons ask for what they say', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
+  // Of a robot that does not tell of its battery nothing is said.
+  assert.equal(await page.isVisible('#battery'), false);
+  agent.battery = { voltageV: 74.5, charge: 0.76 };
+  await text(page, '#battery', '76 % · 74.5 V');
   assert.equal(await page.isDisabled('#cancel'), true);
   agent.obey('Navigate', { poses: [{ xM: 12, yM: 1, yawRad: 0, level: 0 }] });
   await page.click('#pause');

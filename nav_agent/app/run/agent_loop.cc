@@ -182,6 +182,10 @@ void AgentLoop::Publish() {
   state.devices = ReportDevices(devices, devices_.server);
   state.true_map_from_base = robot_.TrueMapFromBase();
   state.obstacles = robot_.Obstacles();
+  state.battery = robot_.Battery();
+  if (!state.battery.has_value() && devices_.battery != nullptr) {
+    state.battery = devices_.battery->battery();
+  }
   state.missed_deadlines = missed_;
   state.zones_revision = commands_.zones().revision();
   commands_.ShowRoute(state);

@@ -154,6 +154,7 @@ class AgentProgram {
   std::unique_ptr<AgentRecorder> recorder_;
   std::unique_ptr<RecordedLaser> laser_;
   std::unique_ptr<RecordedOdometry> odometry_;
+  std::unique_ptr<agent_service::BatteryTap> battery_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
   std::unique_ptr<core::RelocalizationPort> port_;
   std::unique_ptr<agent_service::WatchedServer> server_;
@@ -243,6 +244,8 @@ absl::Status AgentProgram::WatchDevices() {
     odometry_ = std::make_unique<RecordedOdometry>(robot_->Devices().odometry,
                                                    *recorder_);
   }
+  battery_ = std::make_unique<agent_service::BatteryTap>(
+      odometry_ == nullptr ? robot_->Devices().odometry : *odometry_);
   core::RgbdCamera* camera = robot_->Devices().camera;
   if (camera == nullptr) return absl::OkStatus();
   camera_ = std::make_unique<agent_service::BackgroundCamera>(
@@ -392,7 +395,7 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
 behavior::NavigatorDevices AgentProgram::WatchedDevices() {
   const behavior::NavigatorDevices raw = robot_->Devices();
   return {.laser = laser_ == nullptr ? raw.laser : *laser_,
-          .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+          .odometry = *battery_,
           .base = raw.base,
           .rear_laser = raw.rear_laser,
           .camera = camera_.get(),
@@ -544,7 +547,9 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
   RepeatedLines events;
   AgentLoop loop(
       *robot_, *navigator_, *commands_, metrics_,
-      {.camera = camera_.get(), .server = server_.get()},
+      {.camera = camera_.get(),
+       .server = server_.get(),
+       .battery = battery_.get()},
       {.control_hz = kControlHz,
        .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
                                     : config_.speed,

@@ -5,10 +5,11 @@ import type { DescEnum } from '@bufbuild/protobuf';
 
 import type { LevelPose } from '../gen/treeline/v1/navigation_pb.js';
 import * as v1 from '../gen/treeline/v1/navigation_pb.js';
+import * as v1b from '../gen/treeline/v1/battery_pb.js';
 import * as v1r from '../gen/treeline/v1/routes_pb.js';
 import * as v1z from '../gen/treeline/v1/zones_pb.js';
 import type {
-  AgentInfo, Costmap, Fix, Goal, GoalState, LevelInfo, Pose, RobotEvent,
+  AgentInfo, Battery, Costmap, Fix, Goal, GoalState, LevelInfo, Pose, RobotEvent,
   RobotScene, RobotState, Route, Routes, RouteStatus, TrackedPose, Zone,
   ZoneKind, Zones,
 } from './types.js';
@@ -187,6 +188,16 @@ function routeStatusOf(status: v1r.RouteStatus | undefined):
   };
 }
 
+function batteryOf(battery: v1b.BatteryStatus | undefined): Battery | null {
+  if (battery === undefined) return null;
+  return {
+    volts: finiteOr(battery.voltageV, 0),
+    charge: battery.charge === undefined ? null :
+      finiteOr(battery.charge, null),
+    charging: battery.charging === v1b.BatteryCharging.YES,
+  };
+}
+
 export function stateOf(state: v1.RobotState): RobotState {
   const truth = state.trueMapFromBase;
   return {
@@ -215,6 +226,7 @@ export function stateOf(state: v1.RobotState): RobotState {
     zonesRevision: Number(state.zonesRevision),
     route: routeStatusOf(state.route),
     routesRevision: Number(state.routesRevision),
+    battery: batteryOf(state.battery),
     missedDeadlines: Number(state.missedDeadlines),
     steps: Number(state.steps),
   };

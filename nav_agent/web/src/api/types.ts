@@ -162,6 +162,14 @@ export interface RouteStatus {
   warning: string;
 }
 
+export interface Battery {
+  // 0: it does not tell.
+  volts: number;
+  // Of a full one, in [0, 1]; null: it does not tell.
+  charge: number | null;
+  charging: boolean;
+}
+
 export interface RobotState {
   time: number;
   mode: string;
@@ -183,6 +191,8 @@ export interface RobotState {
   // The last one; null: there was none.
   route: RouteStatus | null;
   routesRevision: number;
+  // null: the robot does not tell.
+  battery: Battery | null;
   missedDeadlines: number;
   steps: number;
 }

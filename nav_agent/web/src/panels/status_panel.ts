@@ -2,7 +2,7 @@
 
 import type { RobotState } from '../api/types.js';
 import {
-  degrees, isPaused, isUnderWay, knowsPlace, metres, sayDoubt, sayGoal,
+  degrees, isPaused, isUnderWay, knowsPlace, metres, sayBattery, sayDoubt, sayGoal,
   sayState, signed,
 } from '../model/words.js';
 import { isRouteOpen, mayGoOn, sayRoute } from '../model/route_draft.js';
@@ -36,6 +36,9 @@ export class StatusPanel {
   private readonly speed = el('dd');
   private readonly place = el('dd');
   private readonly doubt = el('dd');
+  private readonly battery = el('dd', { id: 'battery' });
+  private readonly batteryBox =
+      el('div', {}, el('dt', {}, 'Battery'), this.battery);
   private isPaused = false;
 
   constructor(private readonly commands: RobotCommands) {
@@ -65,7 +68,8 @@ export class StatusPanel {
         el('dl', { class: 'figures' },
             el('div', {}, el('dt', {}, 'Speed'), this.speed),
             el('div', {}, el('dt', {}, 'Place'), this.place),
-            el('div', {}, el('dt', {}, 'Sure to'), this.doubt)));
+            el('div', {}, el('dt', {}, 'Sure to'), this.doubt),
+            this.batteryBox));
   }
 
   // As a click on the button does, if it can be clicked.
@@ -98,6 +102,9 @@ export class StatusPanel {
     setText(this.speed, `${signed(command.forward, 2)} m/s`);
     setText(this.place, pose === null ? 'unknown' :
         `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.yaw)}`);
+    const battery = sayBattery(state.battery);
+    setText(this.battery, battery);
+    setShown(this.batteryBox, battery !== '');
     setText(this.doubt, pose === null || pose.std === null ? '–' :
         (pose.std < 1 ? `${Math.round(100 * pose.std)} cm` :
           metres(pose.std)) +
