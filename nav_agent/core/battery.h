@@ -13,7 +13,7 @@ struct Battery {
   // 0: it does not tell.
   double voltage_v = 0;
   // Of a full one, in [0, 1]; nullopt: it does not tell.
-  std::optional<double> charge;
+  std::optional<double> charge = std::nullopt;
   Charging charging = Charging::kUnknown;
 
   bool operator==(const Battery&) const = default;

@@ -20,7 +20,8 @@ class BatteryTap final : public core::Odometry {
   std::vector<core::BaseReading> TakeReadings() override {
     std::vector<core::BaseReading> readings = odometry_.TakeReadings();
     for (const core::BaseReading& reading : readings) {
-      if (reading.battery_v > 0) battery_ = {{.voltage_v = reading.battery_v}};
+      if (reading.battery_v <= 0) continue;
+      battery_ = core::Battery{.voltage_v = reading.battery_v};
     }
     return readings;
   }

@@ -32,6 +32,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 // The cafe: where its tour begins, and a place at the other end of its
@@ -207,8 +208,9 @@ TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
   EXPECT_EQ(Get("/api/info")["simulated"], true);
   EXPECT_EQ(httplib::Client(page_).Get("/readyz")->status, 200);
   EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
-              HasSubstr("treeline_agent_goals_total{outcome=\"succeeded\","
-                        "cause=\"none\"} 1"));
+              AllOf(HasSubstr("treeline_agent_goals_total{outcome="
+                              "\"succeeded\",cause=\"none\"} 1"),
+                    HasSubstr("\ntreeline_agent_battery_charge_ratio 0.99")));
   agent_->Signal(SIGINT);
   EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
   EXPECT_THAT(agent_->err(), HasSubstr("event=stopped"));
@@ -528,11 +530,15 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
+  // The base tells volts alone.
+  EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
+              AllOf(HasSubstr("\ntreeline_agent_battery_volts 7"),
+                    Not(HasSubstr("\ntreeline_agent_battery_charge_ratio "))));
   agent_->Signal(SIGTERM);
   EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
   robot.Signal(SIGINT);
   robot.WaitForExit();
-  EXPECT_THAT(robot.out(), ::testing::Not(HasSubstr("collision")));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("collision")));
 }
 
 TEST_F(AgentRunTest, AFullDiskEndsTheRecordingAndNotTheDrive) {
