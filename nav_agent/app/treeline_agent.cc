@@ -9,11 +9,13 @@
 #include "nav_agent/app/map/map_command.h"
 #include "nav_agent/app/navigate/navigate_command.h"
 #include "nav_agent/app/plan/plan_command.h"
+#include "nav_agent/app/route/route_command.h"
 #include "nav_agent/app/run/run_command.h"
 #include "nav_agent/app/score/score_command.h"
 #include "nav_agent/app/simulate/simulate_command.h"
 #include "nav_agent/app/suite/suite_command.h"
 #include "nav_agent/app/traversability/traversability_command.h"
+#include "nav_agent/app/zones/zones_command.h"
 
 namespace treeline::agent_app {
 namespace {
@@ -27,6 +29,8 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           map_app::AddMapCommand(app),
           run_app::AddRunCommand(app),
           navigate_app::AddNavigateCommand(app),
+          route_app::AddRouteCommand(app),
+          zones_app::AddZonesCommand(app),
           doctor_app::AddDoctorCommand(app),
           plan_app::AddPlanCommand(app),
           localize_app::AddLocalizeCommand(app),

@@ -40,6 +40,12 @@ std::optional<double> HeightNear(const traversability::TraversableLevel& level,
   return height;
 }
 
+bool HasGoal(const behavior::Navigator& navigator) {
+  const std::optional<behavior::GoalStatus> goal = navigator.goal();
+  return goal.has_value() && (goal->state == behavior::GoalState::kAccepted ||
+                              goal->state == behavior::GoalState::kActive);
+}
+
 double LowestOf(const traversability::TraversableLevel& level) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const float height : level.height_m) {
@@ -135,7 +141,15 @@ std::vector<core::LevelPose> AgentCommands::PosesOf(uint64_t goal_id) const {
 
 absl::Status AgentCommands::Cancel(uint64_t goal_id) {
   return hub_.Do([&](behavior::Navigator& navigator) {
-    return navigator.CancelGoal(goal_id);
+    routes::RouteRunner& runner = routes_.runner();
+    if (runner.IsUnderWay() &&
+        (goal_id == 0 || goal_id == runner.status()->goal_id)) {
+      return runner.Cancel(navigator);
+    }
+    const absl::Status cancelled = navigator.CancelGoal(goal_id);
+    const bool may_be_route =
+        goal_id == 0 && absl::IsNotFound(cancelled) && runner.IsOpen();
+    return may_be_route ? runner.Cancel(navigator) : cancelled;
   });
 }
 
@@ -147,10 +161,64 @@ absl::Status AgentCommands::Pause() {
 }
 
 absl::Status AgentCommands::Resume() {
-  return hub_.Do([](behavior::Navigator& navigator) {
+  return hub_.Do([this](behavior::Navigator& navigator) -> absl::Status {
     navigator.Resume();
-    return absl::OkStatus();
+    if (!routes_.runner().IsHeld() || HasGoal(navigator)) {
+      return absl::OkStatus();
+    }
+    return routes_.runner().Resume(navigator);
   });
+}
+
+absl::StatusOr<uint64_t> AgentCommands::RunRoute(routes::Route route,
+                                                 size_t first_waypoint) {
+  TL_RETURN_IF_ERROR(routes::CheckRoute(route, routes_.book().levels()));
+  uint64_t id = 0;
+  TL_RETURN_IF_ERROR(
+      hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
+        TL_ASSIGN_OR_RETURN(id,
+                            routes_.runner().Start(navigator, std::move(route),
+                                                   first_waypoint));
+        return absl::OkStatus();
+      }));
+  return id;
+}
+
+absl::Status AgentCommands::ResumeRoute() {
+  return hub_.Do([this](behavior::Navigator& navigator) {
+    return routes_.runner().Resume(navigator);
+  });
+}
+
+absl::Status AgentCommands::CancelRoute(uint64_t route_id) {
+  return hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
+    const std::optional<routes::RouteStatus>& status =
+        routes_.runner().status();
+    if (route_id != 0 && (!status.has_value() || status->id != route_id)) {
+      return absl::NotFoundError(
+          absl::StrCat("route ", route_id, " is not under way"));
+    }
+    return routes_.runner().Cancel(navigator);
+  });
+}
+
+void AgentCommands::StepRoute(behavior::Navigator& navigator,
+                              base::MonotonicTime now) {
+  routes_.Step(navigator, now);
+  const std::optional<core::LevelPose>& target = routes_.runner().target();
+  if (!target.has_value()) return;
+  const uint64_t goal_id = routes_.runner().status()->goal_id;
+  const absl::MutexLock lock(&mutex_);
+  if (goal_id_ == goal_id) return;
+  goal_id_ = goal_id;
+  goal_poses_ = {*target};
+}
+
+void AgentCommands::ShowRoute(AgentState& state) {
+  state.route = routes_.runner().status();
+  state.route_keeping = routes_.keeping();
+  state.routes_revision = routes_.book().revision() +
+                          (state.route.has_value() ? state.route->id : 0);
 }
 
 absl::StatusOr<StopKeeping> AgentCommands::Stop(const std::string& why) {

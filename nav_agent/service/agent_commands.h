@@ -16,6 +16,7 @@
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/agent_info.h"
 #include "nav_agent/service/driver_seat.h"
+#include "nav_agent/service/route_desk.h"
 #include "nav_agent/service/simulation_control.h"
 #include "nav_agent/service/stop_file.h"
 #include "nav_agent/service/zone_book.h"
@@ -44,23 +45,27 @@ struct StopKeeping {
 // navigator or the simulation says.
 class AgentCommands {
  public:
-  // simulation: null for a real robot. stops, zones: null if no restart is to
-  // find them. All must outlive it.
+  // simulation: null for a real robot. stops, zones, routes: null if no restart
+  // is to find them. All must outlive it.
   AgentCommands(AgentHub& hub, const AgentInfo& info,
                 SimulationControl* simulation, StopFile* stops = nullptr,
-                ZoneBook* zones = nullptr)
+                ZoneBook* zones = nullptr, RouteDesk* routes = nullptr)
       : hub_(hub),
         info_(info),
         simulation_(simulation),
         stops_(stops == nullptr ? forgotten_ : *stops),
         unkept_zones_(info.map),
-        zones_(zones == nullptr ? unkept_zones_ : *zones) {}
+        zones_(zones == nullptr ? unkept_zones_ : *zones),
+        unkept_routes_(static_cast<int>(info.map->levels.levels.size())),
+        routes_(routes == nullptr ? unkept_routes_ : *routes) {}
 
   // Any thread. INVALID_ARGUMENT: none or too many, not finite, absurdly far,
   // or no such level, and which there are.
   absl::StatusOr<uint64_t> SetGoal(const std::vector<RequestedPose>& poses);
+  // 0: whichever goal there is, or route. A route ends with its goal.
   absl::Status Cancel(uint64_t goal_id);
   absl::Status Pause();
+  // And a route that is held goes on, unless another goal is under way.
   absl::Status Resume();
   // The robot stands from the next step on. The error is of that; what is wrong
   // with keeping the stop is in the answer. INVALID_ARGUMENT: longer than
@@ -79,6 +84,14 @@ class AgentCommands {
   absl::StatusOr<ZoneBookContents> RemoveZones(
       const std::vector<std::string>& names);
   const ZoneBook& zones() const { return zones_; }
+  // As NavigationService's RunRoute has it, ResumeRoute and CancelRoute. 0:
+  // whichever route there is.
+  absl::StatusOr<uint64_t> RunRoute(routes::Route route, size_t first_waypoint);
+  absl::Status ResumeRoute();
+  absl::Status CancelRoute(uint64_t route_id = 0);
+  // For its book, and for the stepping thread its runner.
+  RouteDesk& routes() { return routes_; }
+  const RouteDesk& routes() const { return routes_; }
   // Standard deviations (m, rad), in (0, 100]; INVALID_ARGUMENT otherwise.
   absl::Status SetPose(const RequestedPose& pose, double std_m, double std_rad);
   absl::Status FindYourself();
@@ -96,6 +109,10 @@ class AgentCommands {
   // For the stepping thread, and before anything steps: as SetGoal and SetPose;
   // and the stop that was kept.
   void StopAsKept(behavior::Navigator& navigator);
+  // For the stepping thread: after each step of the navigator; and into what is
+  // published.
+  void StepRoute(behavior::Navigator& navigator, base::MonotonicTime now);
+  void ShowRoute(AgentState& state);
   absl::StatusOr<uint64_t> SetGoalNow(behavior::Navigator& navigator,
                                       const std::vector<RequestedPose>& poses);
   static absl::Status SetPoseNow(behavior::Navigator& navigator,
@@ -127,6 +144,8 @@ class AgentCommands {
   StopFile& stops_;
   ZoneBook unkept_zones_;
   ZoneBook& zones_;
+  RouteDesk unkept_routes_;
+  RouteDesk& routes_;
   const base::SteadyClock real_clock_;
   // Stops so far: one during a release ends it.
   std::atomic<int64_t> stopped_ = 0;

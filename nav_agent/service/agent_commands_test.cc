@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/time/clock.h"
 #include "common/base/testing_folder.h"
 #include "nav_agent/service/testing_navigator.h"
 
@@ -116,6 +118,86 @@ TEST(AgentCommands, ASimulatedOneCan) {
       agent.simulation.calls,
       ElementsAre("kidnap 1 0 on 1 at 1", "kidnap to kitchen",
                   "kidnap anywhere", "obstacle of 0.4 on 0", "remove box-1"));
+}
+
+// ---- routes ----
+
+routes::Route ThereAndBack() {
+  return {
+      .name = "patrol",
+      .waypoints = {{.position_in_map = {1, 0}}, {.position_in_map = {0, 0}}}};
+}
+
+// The route, once the stepping thread has it so.
+std::optional<routes::RouteStatus> RouteThatIs(const AgentHub& hub,
+                                               routes::RouteState wanted) {
+  uint64_t seen = 0;
+  for (;;) {
+    const auto state = hub.WaitForNewer(seen, absl::Now() + absl::Seconds(60));
+    if (state == nullptr) return std::nullopt;
+    seen = state->number;
+    if (state->route.has_value() && state->route->state == wanted) {
+      return state->route;
+    }
+  }
+}
+
+TEST(AgentCommands, AStoppedRouteIsTakenUpByResume) {
+  SteppingAgent agent;
+  agent.navigator.may_arrive = false;
+  ASSERT_TRUE(agent.commands.RunRoute(ThereAndBack(), 0).ok());
+  const auto driving = RouteThatIs(agent.hub, routes::RouteState::kDriving);
+  ASSERT_TRUE(driving.has_value());
+  // It is shown as any goal is.
+  const auto poses = agent.commands.PosesOf(driving->goal_id);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].map_from_base.translation, (geometry::Vec2{1, 0}));
+  ASSERT_TRUE(agent.commands.Stop("a child").ok());
+  ASSERT_TRUE(RouteThatIs(agent.hub, routes::RouteState::kHeld).has_value());
+  EXPECT_TRUE(absl::IsFailedPrecondition(agent.commands.Resume()));
+  EXPECT_TRUE(absl::IsFailedPrecondition(agent.commands.ResumeRoute()));
+  EXPECT_TRUE(absl::IsFailedPrecondition(
+      agent.commands.RunRoute(ThereAndBack(), 0).status()));
+  ASSERT_TRUE(agent.commands.Release().ok());
+  ASSERT_TRUE(agent.commands.Resume().ok());
+  EXPECT_TRUE(RouteThatIs(agent.hub, routes::RouteState::kDriving).has_value());
+}
+
+TEST(AgentCommands, ResumeAndCancelAreOfAnotherGoalFirst) {
+  SteppingAgent agent;
+  agent.navigator.may_arrive = false;
+  ASSERT_TRUE(agent.commands.RunRoute(ThereAndBack(), 0).ok());
+  ASSERT_TRUE(RouteThatIs(agent.hub, routes::RouteState::kDriving).has_value());
+  const auto goal = agent.commands.SetGoal({{.x_m = 1, .y_m = 1}});
+  ASSERT_TRUE(goal.ok());
+  ASSERT_TRUE(RouteThatIs(agent.hub, routes::RouteState::kHeld).has_value());
+  ASSERT_TRUE(agent.commands.Resume().ok());
+  EXPECT_TRUE(RouteThatIs(agent.hub, routes::RouteState::kHeld).has_value());
+  ASSERT_TRUE(agent.commands.Cancel(0).ok());
+  EXPECT_TRUE(RouteThatIs(agent.hub, routes::RouteState::kHeld).has_value());
+  ASSERT_TRUE(agent.commands.Cancel(0).ok());
+  EXPECT_TRUE(
+      RouteThatIs(agent.hub, routes::RouteState::kCancelled).has_value());
+  EXPECT_TRUE(absl::IsNotFound(agent.commands.Cancel(0)));
+  EXPECT_TRUE(absl::IsNotFound(agent.commands.ResumeRoute()));
+}
+
+TEST(AgentCommands, ARouteEndsWithItsGoalAndByItsNumber) {
+  SteppingAgent agent;
+  agent.navigator.may_arrive = false;
+  const auto id = agent.commands.RunRoute(ThereAndBack(), 1);
+  ASSERT_TRUE(id.ok());
+  const auto driving = RouteThatIs(agent.hub, routes::RouteState::kDriving);
+  ASSERT_TRUE(driving.has_value());
+  EXPECT_EQ(driving->progress.waypoint, 1U);
+  EXPECT_TRUE(absl::IsNotFound(agent.commands.CancelRoute(*id + 1)));
+  ASSERT_TRUE(agent.commands.Cancel(driving->goal_id).ok());
+  EXPECT_TRUE(
+      RouteThatIs(agent.hub, routes::RouteState::kCancelled).has_value());
+  EXPECT_TRUE(absl::IsNotFound(agent.commands.CancelRoute(*id)));
+  EXPECT_TRUE(absl::IsInvalidArgument(
+      agent.commands.RunRoute(ThereAndBack(), 2).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(agent.commands.RunRoute({}, 0).status()));
 }
 
 TEST(AgentCommands, AStopHoldsUntilItIsReleased) {

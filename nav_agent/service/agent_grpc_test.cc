@@ -62,6 +62,78 @@ class AgentGrpcTest : public ::testing::Test {
   std::unique_ptr<v1::SimulationService::Stub> simulation_;
 };
 
+TEST_F(AgentGrpcTest, ARouteTellsHowItGoesAndWhatItMissed) {
+  Start();
+  v1::PutRoutesRequest put;
+  v1::Route& route = *put.add_routes();
+  route.set_name("patrol");
+  for (const double x_m : {1.0, 0.5}) {
+    v1::Waypoint& waypoint = *route.add_waypoints();
+    waypoint.set_x_m(x_m);
+    waypoint.set_name("at");
+  }
+  grpc::ClientContext put_context;
+  v1::PutRoutesResponse kept;
+  ASSERT_TRUE(navigation_->PutRoutes(&put_context, put, &kept).ok());
+  EXPECT_FALSE(kept.survives_restart());
+  EXPECT_THAT(kept.warning(), HasSubstr("--state-dir"));
+  v1::RunRouteRequest run;
+  run.set_kept("patrol");
+  grpc::ClientContext context;
+  const auto stream = navigation_->RunRoute(&context, run);
+  v1::RunRouteResponse one;
+  while (stream->Read(&one)) {
+    EXPECT_EQ(one.route().name(), "patrol");
+    EXPECT_EQ(one.route().waypoints(), 2);
+  }
+  EXPECT_TRUE(stream->Finish().ok());
+  EXPECT_TRUE(one.is_final());
+  EXPECT_EQ(one.route().state(), v1::ROUTE_STATE_SUCCEEDED);
+  EXPECT_EQ(one.route().reached(), 2);
+  EXPECT_EQ(one.route().last_missed_size(), 0);
+  EXPECT_EQ(one.route().waypoint(), 1);
+  EXPECT_EQ(one.goal().state(), v1::GOAL_STATE_SUCCEEDED);
+}
+
+TEST_F(AgentGrpcTest, ARouteThatIsNotKeptIsSaidSo) {
+  Start();
+  const auto run = [this](const v1::RunRouteRequest& request) {
+    grpc::ClientContext context;
+    const auto stream = navigation_->RunRoute(&context, request);
+    v1::RunRouteResponse one;
+    while (stream->Read(&one)) {
+    }
+    return stream->Finish();
+  };
+  v1::RunRouteRequest request;
+  EXPECT_EQ(run(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_kept("patrol");
+  EXPECT_EQ(run(request).error_code(), grpc::StatusCode::NOT_FOUND);
+  request.mutable_route()->add_waypoints()->set_x_m(1);
+  request.set_first_waypoint(-1);
+  EXPECT_EQ(run(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_first_waypoint(1);
+  EXPECT_EQ(run(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_first_waypoint(0);
+  request.mutable_route()->set_when_missed(static_cast<v1::MissedPolicy>(9));
+  EXPECT_EQ(run(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(AgentGrpcTest, ARouteWhoseCallerGoesIsCancelled) {
+  Start();
+  agent_->navigator.may_arrive = false;
+  v1::RunRouteRequest request;
+  request.mutable_route()->add_waypoints()->set_x_m(1);
+  grpc::ClientContext context;
+  const auto stream = navigation_->RunRoute(&context, request);
+  v1::RunRouteResponse one;
+  ASSERT_TRUE(stream->Read(&one));
+  EXPECT_EQ(one.route().state(), v1::ROUTE_STATE_DRIVING);
+  context.TryCancel();
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(BecomesCancelled());
+}
+
 TEST_F(AgentGrpcTest, NavigateTellsHowItGoesUntilTheGoal) {
   Start();
   agent_->navigator.may_arrive = false;

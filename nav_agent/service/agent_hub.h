@@ -17,6 +17,8 @@
 #include "absl/time/time.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/behavior/navigator.h"
+#include "nav_agent/core/battery.h"
+#include "nav_agent/routes/route_progress.h"
 
 namespace treeline::agent_service {
 
@@ -51,8 +53,15 @@ struct AgentState {
   std::optional<geometry::Rigid3> true_map_from_base = std::nullopt;
   std::vector<ObstacleReport> obstacles = {};
   int64_t missed_deadlines = 0;
+  // nullopt: the robot does not tell.
+  std::optional<core::Battery> battery = std::nullopt;
   // ZoneBook's.
   uint64_t zones_revision = 0;
+  // Under way, or the last; whether a restart finds it; and RouteBook's
+  // revision, with each route that begins counted, too.
+  std::optional<routes::RouteStatus> route = std::nullopt;
+  absl::Status route_keeping = {};
+  uint64_t routes_revision = 0;
 };
 
 struct AgentHubOptions {

@@ -51,6 +51,16 @@ AgentMetrics::AgentMetrics()
                                    "1 while the device runs", {"device"})),
       modes_(&registry_.AddGauge("treeline_agent_mode",
                                  "1 for the robot's present mode", {"mode"})),
+      battery_volts_(&registry_.AddGauge("treeline_agent_battery_volts",
+                                         "Of the robot's battery, V", {})),
+      battery_charge_(&registry_.AddGauge("treeline_agent_battery_charge_ratio",
+                                          "Of a full battery, in [0, 1]", {})),
+      routes_(&registry_.AddCounter("treeline_agent_routes_total",
+                                    "Finished routes, by outcome",
+                                    {"outcome"})),
+      waypoints_(&registry_.AddCounter(
+          "treeline_agent_waypoints_total",
+          "Waypoints of routes, reached and missed", {"outcome"})),
       recoveries_(&registry_
                        .AddCounter("treeline_agent_recoveries_total",
                                    "Recovery behaviours that were run", {})
@@ -121,8 +131,39 @@ void AgentMetrics::ObserveState(const AgentState& state) {
       snapshot.mode == behavior::NavigatorMode::kNeedHelp;
   if (is_lost && !was_lost_) lost_->Add();
   was_lost_ = is_lost;
+  if (state.battery.has_value() && state.battery->voltage_v > 0) {
+    battery_volts_->With({}).Set(state.battery->voltage_v);
+  }
+  if (state.battery.has_value() && state.battery->charge.has_value()) {
+    battery_charge_->With({}).Set(*state.battery->charge);
+  }
   ObserveGoal(snapshot.goal);
   ObserveFix(snapshot);
+  ObserveRoute(state.route);
+}
+
+void AgentMetrics::ObserveRoute(
+    const std::optional<routes::RouteStatus>& route) {
+  if (!route.has_value()) return;
+  const routes::RouteProgress& progress = route->progress;
+  if (route->id != route_) {
+    route_ = route->id;
+    // What was before a restart is not counted again.
+    const bool is_old = route->state == routes::RouteState::kOffered;
+    route_reached_ = is_old ? progress.reached : 0;
+    route_missed_ = is_old ? progress.missed : 0;
+  }
+  const auto count = [this](const char* outcome, int64_t now, int64_t& so_far) {
+    if (now <= so_far) return;
+    waypoints_->With({outcome}).Add(static_cast<uint64_t>(now - so_far));
+    so_far = now;
+  };
+  count("reached", progress.reached, route_reached_);
+  count("missed", progress.missed, route_missed_);
+  if (routes::IsOver(route->state) && route->id != counted_route_) {
+    counted_route_ = route->id;
+    routes_->With({routes::RouteStateName(route->state)}).Add();
+  }
 }
 
 void AgentMetrics::ObserveGoal(

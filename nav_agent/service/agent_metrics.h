@@ -22,8 +22,8 @@ class AgentMetrics {
   void CountMissedDeadline() { missed_->Add(); }
   // Every event of the navigator.
   void CountEvent(const std::string& kind) { events_->With({kind}).Add(); }
-  // What changed since the state that was observed before: goals that ended,
-  // recoveries, times lost, fixes.
+  // What changed since the state that was observed before: goals and routes
+  // that ended, waypoints, recoveries, times lost, fixes.
   void ObserveState(const AgentState& state);
 
   std::string Expose() const { return registry_.Expose(); }
@@ -32,6 +32,7 @@ class AgentMetrics {
  private:
   void ObserveGoal(const std::optional<behavior::GoalStatus>& goal);
   void ObserveFix(const behavior::NavigatorSnapshot& snapshot);
+  void ObserveRoute(const std::optional<routes::RouteStatus>& route);
 
   metrics::Registry registry_;
   metrics::MetricFamily<metrics::Counter>* goals_;
@@ -39,6 +40,11 @@ class AgentMetrics {
   metrics::MetricFamily<metrics::Counter>* fixes_;
   metrics::MetricFamily<metrics::Gauge>* devices_;
   metrics::MetricFamily<metrics::Gauge>* modes_;
+  // Of a battery that tells, alone.
+  metrics::MetricFamily<metrics::Gauge>* battery_volts_;
+  metrics::MetricFamily<metrics::Gauge>* battery_charge_;
+  metrics::MetricFamily<metrics::Counter>* routes_;
+  metrics::MetricFamily<metrics::Counter>* waypoints_;
   metrics::Counter* recoveries_;
   metrics::Counter* replans_;
   metrics::Counter* lost_;
@@ -59,6 +65,11 @@ class AgentMetrics {
   bool was_lost_ = false;
   std::optional<base::MonotonicTime> counted_fix_;
   std::string counted_verdict_;
+  uint64_t counted_route_ = 0;
+  // Of the route that is watched.
+  uint64_t route_ = 0;
+  int64_t route_reached_ = 0;
+  int64_t route_missed_ = 0;
 };
 
 }  // namespace treeline::agent_service

@@ -44,6 +44,52 @@ TEST(AgentMetrics, CountsAGoalOnce) {
   EXPECT_THAT(text, HasSubstr("treeline_agent_driven_meters 2.5\n"));
 }
 
+TEST(AgentMetrics, CountsRoutesAndWaypointsButNotThoseBeforeARestart) {
+  AgentMetrics metrics;
+  AgentState state;
+  state.route = routes::RouteStatus{
+      .id = 1,
+      .state = routes::RouteState::kOffered,
+      .progress = {.route = std::make_shared<const routes::Route>(),
+                   .reached = 5,
+                   .missed = 2}};
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(), Not(HasSubstr("agent_waypoints_total{")));
+  state.route->state = routes::RouteState::kDriving;
+  state.route->progress.reached = 7;
+  metrics.ObserveState(state);
+  state.route->state = routes::RouteState::kSucceeded;
+  state.route->progress.missed = 3;
+  metrics.ObserveState(state);
+  metrics.ObserveState(state);
+  const std::string text = metrics.Expose();
+  EXPECT_THAT(
+      text,
+      HasSubstr("treeline_agent_waypoints_total{outcome=\"reached\"} 2\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("treeline_agent_waypoints_total{outcome=\"missed\"} 1\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1\n"));
+}
+
+TEST(AgentMetrics, ABatteryThatTellsNothingIsNotShown) {
+  AgentMetrics metrics;
+  AgentState state;
+  metrics.ObserveState(state);
+  state.battery = core::Battery{.voltage_v = 74.5};
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(),
+              HasSubstr("treeline_agent_battery_volts 74.5\n"));
+  EXPECT_THAT(metrics.Expose(),
+              Not(HasSubstr("\ntreeline_agent_battery_charge_ratio ")));
+  state.battery->charge = 0.25;
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(),
+              HasSubstr("treeline_agent_battery_charge_ratio 0.25\n"));
+}
+
 TEST(AgentMetrics, CountsTimesLostAndFixes) {
   AgentMetrics metrics;
   AgentState state;

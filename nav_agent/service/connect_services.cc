@@ -53,6 +53,17 @@ void AddNavigationCalls(NavigationCalls& calls,
   constexpr char kService[] = "NavigationService";
   AddStream("Navigate", calls, &Calls::Navigate, router);
   AddStream("StreamState", calls, &Calls::StreamState, router);
+  AddStream("RunRoute", calls, &Calls::RunRoute, router);
+  AddUnary<v1::ResumeRouteRequest>(kService, "ResumeRoute", calls,
+                                   &Calls::ResumeRoute, router);
+  AddUnary<v1::CancelRouteRequest>(kService, "CancelRoute", calls,
+                                   &Calls::CancelRoute, router);
+  AddUnary<v1::GetRoutesRequest>(kService, "GetRoutes", calls,
+                                 &Calls::GetRoutes, router);
+  AddUnary<v1::PutRoutesRequest>(kService, "PutRoutes", calls,
+                                 &Calls::PutRoutes, router);
+  AddUnary<v1::RemoveRoutesRequest>(kService, "RemoveRoutes", calls,
+                                    &Calls::RemoveRoutes, router);
   AddUnary<v1::CancelRequest>(kService, "Cancel", calls, &Calls::Cancel,
                               router);
   AddUnary<v1::PauseRequest>(kService, "Pause", calls, &Calls::Pause, router);

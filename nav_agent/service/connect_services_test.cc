@@ -240,6 +240,39 @@ TEST_F(ConnectServicesTest, UnaryCallsReachRobotAndSimulation) {
                           "fault laser silent 3 1"));
 }
 
+TEST_F(ConnectServicesTest, RoutesAreKeptListedAndRemoved) {
+  Start();
+  const std::string navigation = kNavigation;
+  const auto put = [&](const std::string& route) {
+    return Json(navigation + "PutRoutes", "{\"routes\":[" + route + "]}");
+  };
+  auto answer = put(
+      R"({"name":"patrol","loop":true,"waypoints":[{"xM":1,"waitS":3},{"yawRad":0}]})");
+  ASSERT_EQ(answer->status, 200) << answer->body;
+  EXPECT_THAT(answer->body, HasSubstr("\"revision\":\"2\""));
+  answer = Json(navigation + "GetRoutes", "{}");
+  EXPECT_THAT(answer->body, HasSubstr("\"name\":\"patrol\""));
+  EXPECT_THAT(answer->body, HasSubstr("\"waitS\":3"));
+  // A heading of zero is one.
+  EXPECT_THAT(answer->body, HasSubstr("\"yawRad\":0"));
+  EXPECT_THAT(answer->body, HasSubstr("MISSED_POLICY_GO_ON"));
+  answer = put(R"({"name":"x","waypoints":[{"level":7}]})");
+  EXPECT_EQ(answer->status, 400);
+  EXPECT_THAT(answer->body, HasSubstr("level 7"));
+  EXPECT_EQ(put(R"({"waypoints":[{}]})")->status, 400);
+  EXPECT_EQ(Json(navigation + "PutRoutes", "{}")->status, 400);
+  EXPECT_EQ(
+      Json(navigation + "RemoveRoutes", R"({"names":["patrol","x"]})")->status,
+      404);
+  EXPECT_EQ(
+      Json(navigation + "RemoveRoutes", R"({"names":["patrol"]})")->status,
+      200);
+  EXPECT_THAT(Json(navigation + "GetRoutes", "{}")->body,
+              testing::Not(HasSubstr("patrol")));
+  EXPECT_EQ(Json(navigation + "ResumeRoute", "{}")->status, 404);
+  EXPECT_EQ(Json(navigation + "CancelRoute", "{}")->status, 404);
+}
+
 TEST_F(ConnectServicesTest, ZonesArePutListedAndRemoved) {
   Start();
   const std::string navigation = kNavigation;

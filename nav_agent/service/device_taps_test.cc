@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/image/decode.h"
+#include "nav_agent/service/battery_tap.h"
 
 namespace treeline::agent_service {
 namespace {
@@ -30,6 +31,28 @@ uint8_t ShadeOf(const PictureKeeper& keeper) {
   const auto jpeg = keeper.Jpeg();
   EXPECT_TRUE(jpeg.ok()) << jpeg.status();
   return image::DecodeColor(**jpeg, {})->rgb[0];
+}
+
+TEST(BatteryTap, RemembersTheNewestVoltageThatTheBaseTold) {
+  class Wheels final : public core::Odometry {
+   public:
+    std::vector<core::BaseReading> TakeReadings() override {
+      return std::exchange(waiting, {});
+    }
+    core::DeviceHealth Health() const override { return {}; }
+    std::vector<core::BaseReading> waiting;
+  };
+  Wheels wheels;
+  BatteryTap tap(wheels);
+  wheels.waiting.resize(2);
+  EXPECT_EQ(tap.TakeReadings().size(), 2U);
+  EXPECT_EQ(tap.battery(), std::nullopt);
+  wheels.waiting.resize(3);
+  wheels.waiting[0].battery_v = 72;
+  wheels.waiting[1].battery_v = 71.5;
+  EXPECT_EQ(tap.TakeReadings().size(), 3U);
+  // The last one did not tell.
+  EXPECT_EQ(tap.battery(), core::Battery{.voltage_v = 71.5});
 }
 
 TEST(PictureKeeper, KeepsTheNewestOfEveryInterval) {

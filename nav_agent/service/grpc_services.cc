@@ -112,6 +112,43 @@ grpc::Status NavigationGrpcService::RemoveZones(
   return Answer(calls_.RemoveZones(*request), *response);
 }
 
+grpc::Status NavigationGrpcService::RunRoute(
+    grpc::ServerContext* context, const v1::RunRouteRequest* request,
+    grpc::ServerWriter<v1::RunRouteResponse>* writer) {
+  GrpcSink<v1::RunRouteResponse> sink(*context, *writer);
+  return wire::ToGrpc(calls_.RunRoute(*request, sink));
+}
+
+grpc::Status NavigationGrpcService::ResumeRoute(
+    grpc::ServerContext* /*context*/, const v1::ResumeRouteRequest* request,
+    v1::ResumeRouteResponse* response) {
+  return Answer(calls_.ResumeRoute(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::CancelRoute(
+    grpc::ServerContext* /*context*/, const v1::CancelRouteRequest* request,
+    v1::CancelRouteResponse* response) {
+  return Answer(calls_.CancelRoute(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::GetRoutes(
+    grpc::ServerContext* /*context*/, const v1::GetRoutesRequest* request,
+    v1::GetRoutesResponse* response) {
+  return Answer(calls_.GetRoutes(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::PutRoutes(
+    grpc::ServerContext* /*context*/, const v1::PutRoutesRequest* request,
+    v1::PutRoutesResponse* response) {
+  return Answer(calls_.PutRoutes(*request), *response);
+}
+
+grpc::Status NavigationGrpcService::RemoveRoutes(
+    grpc::ServerContext* /*context*/, const v1::RemoveRoutesRequest* request,
+    v1::RemoveRoutesResponse* response) {
+  return Answer(calls_.RemoveRoutes(*request), *response);
+}
+
 grpc::Status NavigationGrpcService::SetInitialPose(
     grpc::ServerContext* /*context*/, const v1::SetInitialPoseRequest* request,
     v1::SetInitialPoseResponse* response) {

@@ -54,6 +54,24 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
   grpc::Status RemoveZones(grpc::ServerContext* context,
                            const v1::RemoveZonesRequest* request,
                            v1::RemoveZonesResponse* response) override;
+  grpc::Status RunRoute(
+      grpc::ServerContext* context, const v1::RunRouteRequest* request,
+      grpc::ServerWriter<v1::RunRouteResponse>* writer) override;
+  grpc::Status ResumeRoute(grpc::ServerContext* context,
+                           const v1::ResumeRouteRequest* request,
+                           v1::ResumeRouteResponse* response) override;
+  grpc::Status CancelRoute(grpc::ServerContext* context,
+                           const v1::CancelRouteRequest* request,
+                           v1::CancelRouteResponse* response) override;
+  grpc::Status GetRoutes(grpc::ServerContext* context,
+                         const v1::GetRoutesRequest* request,
+                         v1::GetRoutesResponse* response) override;
+  grpc::Status PutRoutes(grpc::ServerContext* context,
+                         const v1::PutRoutesRequest* request,
+                         v1::PutRoutesResponse* response) override;
+  grpc::Status RemoveRoutes(grpc::ServerContext* context,
+                            const v1::RemoveRoutesRequest* request,
+                            v1::RemoveRoutesResponse* response) override;
   grpc::Status SetInitialPose(grpc::ServerContext* context,
                               const v1::SetInitialPoseRequest* request,
                               v1::SetInitialPoseResponse* response) override;

@@ -9,8 +9,10 @@
 #include "common/wire/geometry.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/service/follow_goal.h"
+#include "nav_agent/service/follow_route.h"
 #include "nav_agent/service/map_pictures.h"
 #include "nav_agent/service/navigation_wire.h"
+#include "nav_agent/service/routes_wire.h"
 #include "nav_agent/service/stream_slot.h"
 #include "nav_agent/service/watch_robot.h"
 #include "nav_agent/service/zones_wire.h"
@@ -160,6 +162,81 @@ absl::StatusOr<v1::RemoveZonesResponse> NavigationCalls::RemoveZones(
       commands_.RemoveZones({request.names().begin(), request.names().end()}));
   v1::RemoveZonesResponse response;
   response.set_revision(contents.revision);
+  return response;
+}
+
+absl::Status NavigationCalls::RunRoute(
+    const v1::RunRouteRequest& request,
+    MessageSink<v1::RunRouteResponse>& sink) {
+  const StreamSlot slot(streams_, max_streams_);
+  if (!slot.is_taken()) return TooManyStreams();
+  return FollowRoute(commands_, request, sink);
+}
+
+absl::StatusOr<v1::ResumeRouteResponse> NavigationCalls::ResumeRoute(
+    const v1::ResumeRouteRequest& /*request*/) {
+  TL_RETURN_IF_ERROR(commands_.ResumeRoute());
+  return v1::ResumeRouteResponse();
+}
+
+absl::StatusOr<v1::CancelRouteResponse> NavigationCalls::CancelRoute(
+    const v1::CancelRouteRequest& /*request*/) {
+  TL_RETURN_IF_ERROR(commands_.CancelRoute());
+  return v1::CancelRouteResponse();
+}
+
+uint64_t NavigationCalls::RoutesRevision() const {
+  const std::shared_ptr<const AgentState> state = commands_.hub().Latest();
+  const bool has_route = state != nullptr && state->route.has_value();
+  return commands_.routes().book().revision() +
+         (has_route ? state->route->id : 0);
+}
+
+absl::StatusOr<v1::GetRoutesResponse> NavigationCalls::GetRoutes(
+    const v1::GetRoutesRequest& /*request*/) const {
+  const RouteBook& book = commands_.routes().book();
+  const RouteBookContents contents = book.contents();
+  const std::shared_ptr<const AgentState> state = commands_.hub().Latest();
+  v1::GetRoutesResponse response;
+  response.set_revision(RoutesRevision());
+  for (const routes::Route& route : contents.routes) {
+    *response.add_routes() = ToProto(route);
+  }
+  if (state != nullptr && state->route.has_value() &&
+      !routes::IsOver(state->route->state)) {
+    *response.mutable_current() = ToProto(*state->route->progress.route);
+  }
+  response.set_survives_restart(book.keeping().ok());
+  response.set_warning(std::string(book.keeping().message()));
+  return response;
+}
+
+absl::StatusOr<v1::PutRoutesResponse> NavigationCalls::PutRoutes(
+    const v1::PutRoutesRequest& request) {
+  std::vector<routes::Route> routes;
+  for (const v1::Route& proto : request.routes()) {
+    TL_ASSIGN_OR_RETURN(routes::Route route, FromProto(proto));
+    routes.push_back(std::move(route));
+  }
+  if (routes.empty()) return wire::FieldError("routes", "has none");
+  RouteBook& book = commands_.routes().book();
+  TL_RETURN_IF_ERROR(book.Put(routes).status());
+  v1::PutRoutesResponse response;
+  response.set_revision(RoutesRevision());
+  response.set_survives_restart(book.keeping().ok());
+  response.set_warning(std::string(book.keeping().message()));
+  return response;
+}
+
+absl::StatusOr<v1::RemoveRoutesResponse> NavigationCalls::RemoveRoutes(
+    const v1::RemoveRoutesRequest& request) {
+  TL_RETURN_IF_ERROR(
+      commands_.routes()
+          .book()
+          .Remove({request.names().begin(), request.names().end()})
+          .status());
+  v1::RemoveRoutesResponse response;
+  response.set_revision(RoutesRevision());
   return response;
 }
 

@@ -44,12 +44,27 @@ class NavigationCalls {
       const v1::PutZonesRequest& request);
   absl::StatusOr<v1::RemoveZonesResponse> RemoveZones(
       const v1::RemoveZonesRequest& request);
+  absl::Status RunRoute(const v1::RunRouteRequest& request,
+                        MessageSink<v1::RunRouteResponse>& sink);
+  absl::StatusOr<v1::ResumeRouteResponse> ResumeRoute(
+      const v1::ResumeRouteRequest& request);
+  absl::StatusOr<v1::CancelRouteResponse> CancelRoute(
+      const v1::CancelRouteRequest& request);
+  absl::StatusOr<v1::GetRoutesResponse> GetRoutes(
+      const v1::GetRoutesRequest& request) const;
+  absl::StatusOr<v1::PutRoutesResponse> PutRoutes(
+      const v1::PutRoutesRequest& request);
+  absl::StatusOr<v1::RemoveRoutesResponse> RemoveRoutes(
+      const v1::RemoveRoutesRequest& request);
   absl::StatusOr<v1::SetInitialPoseResponse> SetInitialPose(
       const v1::SetInitialPoseRequest& request);
   absl::StatusOr<v1::FindYourselfResponse> FindYourself(
       const v1::FindYourselfRequest& request);
 
  private:
+  // As the newest state has it, with what was put or removed since.
+  uint64_t RoutesRevision() const;
+
   AgentCommands& commands_;
   const int max_streams_;
   std::atomic<int> streams_ = 0;

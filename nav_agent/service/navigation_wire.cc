@@ -6,6 +6,7 @@
 #include "common/base/clock.h"
 #include "common/geometry/planar_pose.h"
 #include "common/wire/geometry.h"
+#include "nav_agent/service/routes_wire.h"
 #include "nav_agent/service/utf8_text.h"
 
 namespace treeline::agent_service {
@@ -189,7 +190,20 @@ v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state) {
   }
   proto.set_steps(snapshot.steps);
   proto.set_missed_deadlines(state.missed_deadlines);
+  if (state.battery.has_value()) {
+    v1::BatteryStatus& battery = *proto.mutable_battery();
+    battery.set_voltage_v(state.battery->voltage_v);
+    if (state.battery->charge.has_value()) {
+      battery.set_charge(*state.battery->charge);
+    }
+    battery.set_charging(
+        static_cast<v1::BatteryCharging>(state.battery->charging));
+  }
   proto.set_zones_revision(state.zones_revision);
+  if (state.route.has_value()) {
+    *proto.mutable_route() = ToProto(*state.route, state.route_keeping);
+  }
+  proto.set_routes_revision(state.routes_revision);
   if (snapshot.stop.has_value()) {
     v1::OperatorStop& stop = *proto.mutable_stop();
     stop.set_why(Utf8(snapshot.stop->why));
@@ -222,6 +236,20 @@ v1::NavigateResponse FeedbackToProto(const AgentState& state) {
   }
   proto.set_forward_mps(snapshot.command.forward_mps);
   proto.set_yaw_rate_radps(snapshot.command.yaw_rate_radps);
+  return proto;
+}
+
+v1::RunRouteResponse RouteFeedbackToProto(const AgentState& state) {
+  const behavior::NavigatorSnapshot& snapshot = state.snapshot;
+  v1::RunRouteResponse proto;
+  *proto.mutable_route() = ToProto(*state.route, state.route_keeping);
+  if (snapshot.goal.has_value() && snapshot.goal->id == state.route->goal_id) {
+    *proto.mutable_goal() = ToProto(*snapshot.goal);
+  }
+  proto.set_mode(ToProto(snapshot.mode));
+  if (snapshot.pose.has_value()) {
+    *proto.mutable_map_from_base() = ToProto(snapshot.pose->pose);
+  }
   return proto;
 }
 

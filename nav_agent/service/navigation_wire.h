@@ -34,6 +34,8 @@ v1::GoalState ToProto(behavior::GoalState state);
 v1::GoalStatus ToProto(const behavior::GoalStatus& goal);
 v1::RobotEvent ToProto(const AgentHub::Event& event);
 v1::NavigateResponse FeedbackToProto(const AgentState& state);
+// `state` must have a route.
+v1::RunRouteResponse RouteFeedbackToProto(const AgentState& state);
 // Without its picture.
 v1::MapLevel ToProto(const traversability::TraversableLevel& level, int index);
 v1::GetInfoResponse InfoToProto(const AgentInfo& info);

@@ -41,6 +41,12 @@ void FakeNavigator::Stop(const std::string& why) {
   snapshot.stop = {.why = why, .since = snapshot.stamp};
   snapshot.mode = behavior::NavigatorMode::kStopped;
   snapshot.command = {};
+  if (snapshot.goal.has_value() &&
+      snapshot.goal->state == behavior::GoalState::kActive) {
+    snapshot.goal->state = behavior::GoalState::kCancelled;
+    snapshot.goal->cause = core::NavigationCause::kStopped;
+    snapshot.goal->why = "the robot was stopped: " + why;
+  }
 }
 
 void FakeNavigator::Release() {
@@ -71,7 +77,8 @@ absl::StatusOr<uint64_t> FakeNavigator::SetGoal(
 }
 
 absl::Status FakeNavigator::CancelGoal(uint64_t id) {
-  if (!snapshot.goal.has_value() || (id != 0 && id != snapshot.goal->id)) {
+  if (!snapshot.goal.has_value() || (id != 0 && id != snapshot.goal->id) ||
+      snapshot.goal->state != behavior::GoalState::kActive) {
     return absl::NotFoundError(absl::StrCat("goal ", id, " is not driven to"));
   }
   snapshot.goal->state = behavior::GoalState::kCancelled;
@@ -170,11 +177,13 @@ SteppingAgent::SteppingAgent(bool is_simulated, const AgentHubOptions& options)
         while (!stop.stop_requested()) {
           hub.RunCommands(navigator);
           navigator.Step();
+          commands.StepRoute(navigator, clock_.Now());
           AgentState state;
           state.snapshot = navigator.Snapshot();
           if (state.snapshot.goal.has_value()) {
             state.goal_poses = commands.PosesOf(state.snapshot.goal->id);
           }
+          commands.ShowRoute(state);
           hub.Publish(std::move(state));
           // Not to burn a core; nothing depends on it.
           absl::SleepFor(absl::Milliseconds(1));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/service/agent_commands.h"
 
@@ -93,6 +94,7 @@ class SteppingAgent {
   FakeNavigator navigator;
 
  private:
+  const base::SteadyClock clock_;
   std::jthread thread_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/check_name.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::zones {
@@ -75,23 +76,6 @@ std::optional<std::pair<size_t, size_t>> SidesThatMeet(
   return std::nullopt;
 }
 
-absl::Status CheckName(const std::string& name) {
-  if (name.empty() || name.size() > kMaxZoneNameBytes) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("a zone's name has ", name.size(),
-                     " bytes; it needs 1 to ", kMaxZoneNameBytes));
-  }
-  const bool is_text = std::ranges::none_of(name, [](char letter) {
-    const auto byte = static_cast<unsigned char>(letter);
-    return byte < ' ' || byte == 0x7f;
-  });
-  if (!is_text || name.front() == ' ' || name.back() == ' ') {
-    return absl::InvalidArgumentError(
-        "a zone's name has control characters, or a space at an end");
-  }
-  return absl::OkStatus();
-}
-
 absl::Status CheckCorners(const std::vector<geometry::Vec2>& corners) {
   if (corners.size() < 3 || corners.size() > kMaxZoneCorners) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -154,7 +138,7 @@ absl::StatusOr<ZoneKind> ParseZoneKind(absl::string_view name) {
 }
 
 absl::Status CheckZone(const Zone& zone, int levels) {
-  TL_RETURN_IF_ERROR(CheckName(zone.name));
+  TL_RETURN_IF_ERROR(base::CheckName(zone.name, "a zone's", kMaxZoneNameBytes));
   const absl::Status meaning = CheckMeaning(zone, levels);
   if (meaning.ok()) return meaning;
   return absl::InvalidArgumentError(

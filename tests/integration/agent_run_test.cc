@@ -30,7 +30,9 @@
 namespace treeline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 // The cafe: where its tour begins, and a place at the other end of its
@@ -168,6 +170,14 @@ class AgentRunTest : public testing::Test {
     if (stream->Read(&first)) context.TryCancel();
     return stream->Finish();
   }
+  // A command of the program's own that talks to the agent: what it printed.
+  std::string Ask(std::vector<std::string> command, int wanted_exit = 0) {
+    command.insert(command.begin(), TREELINE_AGENT);
+    command.insert(command.end(), {"--agent", grpc_});
+    const ProgramResult result = RunProgram(command);
+    EXPECT_EQ(result.exit_code, wanted_exit) << result.err;
+    return result.out + result.err;
+  }
   int Post(const std::string& path, const std::string& body) const {
     const auto answer = httplib::Client(page_).Post(path, {{"X-Treeline", "1"}},
                                                     body, "application/json");
@@ -198,8 +208,9 @@ TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
   EXPECT_EQ(Get("/api/info")["simulated"], true);
   EXPECT_EQ(httplib::Client(page_).Get("/readyz")->status, 200);
   EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
-              HasSubstr("treeline_agent_goals_total{outcome=\"succeeded\","
-                        "cause=\"none\"} 1"));
+              AllOf(HasSubstr("treeline_agent_goals_total{outcome="
+                              "\"succeeded\",cause=\"none\"} 1"),
+                    HasSubstr("\ntreeline_agent_battery_charge_ratio 0.99")));
   agent_->Signal(SIGINT);
   EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
   EXPECT_THAT(agent_->err(), HasSubstr("event=stopped"));
@@ -327,6 +338,14 @@ TEST_F(AgentRunTest, ZonesHoldOverARestart) {
 
   ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
   refused();
+  EXPECT_THAT(Ask({"zones", "list"}),
+              AllOf(HasSubstr("counter: keep-out, level 0, 4 corners\n"),
+                    HasSubstr("a mask file\n")));
+  const std::string drawn = folder_ + "/zones.yaml";
+  ASSERT_TRUE(base::WriteNewFile(drawn, Ask({"zones", "export"})).ok());
+  Ask({"zones", "delete", "counter"});
+  Ask({"zones", "delete", "counter"}, 1);
+  EXPECT_THAT(Ask({"zones", "save", drawn}), HasSubstr("zones drawn: 1"));
   v1::GetZonesResponse found;
   {
     grpc::ClientContext context;
@@ -359,6 +378,63 @@ TEST_F(AgentRunTest, ZonesThatCannotBeReadAreNoReasonToDriveWithoutThem) {
   EXPECT_NE(agent.WaitForExit(), 0);
   EXPECT_THAT(agent.err(), HasSubstr(folder_ + "/state/zones"));
   EXPECT_THAT(agent.err(), HasSubstr("it does not drive without them"));
+}
+
+// Killed on its way to the second of two waypoints.
+TEST_F(AgentRunTest, ARouteIsOfferedAfterARestartAndGoesOn) {
+  const std::vector<std::string> arguments = {
+      "--simulate", "cafe", "--people=false", "--camera-hz",     "0",
+      "--speed",    "4",    "--state-dir",    folder_ + "/state"};
+  const std::string file = folder_ + "/routes.yaml";
+  ASSERT_TRUE(base::WriteNewFile(file,
+                                 "routes:\n"
+                                 "  - name: \"rounds\"\n"
+                                 "    loop: true\n"
+                                 "    waypoints:\n"
+                                 "      - {x: 2.6, y: 7.7, wait: 5}\n")
+                  .ok());
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  EXPECT_THAT(Ask({"route", "save", file}), HasSubstr("routes kept: 1"));
+  v1::RunRouteRequest run;
+  v1::Route& route = *run.mutable_route();
+  route.set_name("patrol");
+  for (const double x_m : {2.6, kGoalX_m}) {
+    v1::Waypoint& waypoint = *route.add_waypoints();
+    waypoint.set_x_m(x_m);
+    waypoint.set_y_m(kGoalY_m);
+  }
+  {
+    grpc::ClientContext context;
+    const auto stream = stub_->RunRoute(&context, run);
+    v1::RunRouteResponse feedback;
+    while (stream->Read(&feedback) && feedback.route().waypoint() == 0) {
+    }
+    EXPECT_EQ(feedback.route().waypoint(), 1) << feedback.ShortDebugString();
+    EXPECT_TRUE(feedback.route().survives_restart());
+    agent_->Signal(SIGKILL);
+    agent_->WaitForExit();
+  }
+
+  ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
+  StateWhere([](const Json& state) { return state["mode"] == "idle"; });
+  EXPECT_THAT(Ask({"route", "list"}),
+              AllOf(HasSubstr("rounds: 1 waypoint in a loop, waits 5 s\n"),
+                    HasSubstr("offered: patrol\n")));
+  EXPECT_EQ(Ask({"route", "export"}), *base::ReadFile(file));
+  EXPECT_THAT(Ask({"route", "run", "nowhere"}, 1),
+              HasSubstr("no route is called 'nowhere'; there are: 'rounds'"));
+  Ask({"route", "resume"});
+  const Json arrived = StateWhere([](const Json& state) {
+    return !state["goal"].is_null() && state["goal"]["state"] == "succeeded";
+  });
+  ASSERT_FALSE(arrived.is_null()) << agent_->err();
+  EXPECT_NEAR(arrived["truth"]["x"], kGoalX_m, 0.4);
+  EXPECT_THAT(agent_->err(), HasSubstr("waits to be resumed"));
+  EXPECT_THAT(
+      httplib::Client(page_).Get("/metrics")->body,
+      HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1"));
+  agent_->Signal(SIGTERM);
+  EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
 }
 
 TEST_F(AgentRunTest, AStopFileThatIsNotUnderstoodIsAStop) {
@@ -454,11 +530,15 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
+  // The base tells volts alone.
+  EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
+              AllOf(HasSubstr("\ntreeline_agent_battery_volts 7"),
+                    Not(HasSubstr("\ntreeline_agent_battery_charge_ratio "))));
   agent_->Signal(SIGTERM);
   EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
   robot.Signal(SIGINT);
   robot.WaitForExit();
-  EXPECT_THAT(robot.out(), ::testing::Not(HasSubstr("collision")));
+  EXPECT_THAT(robot.out(), Not(HasSubstr("collision")));
 }
 
 TEST_F(AgentRunTest, AFullDiskEndsTheRecordingAndNotTheDrive) {

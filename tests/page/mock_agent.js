@@ -9,7 +9,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import * as world from './canned_world.js';
-import { connect, messages, node } from './packages.js';
+import { connect, messages, node, routeMessages } from './packages.js';
 
 // What treeline-agent sends with every answer.
 export const HEADERS = {
@@ -72,9 +72,15 @@ export class MockAgent {
     this.fix = null;
     this.stopped = undefined;
     this.stopWarning = '';
+    this.battery = undefined;
     this.zones = [];
     this.masks = [];
     this.zonesRevision = 1n;
+    this.routes = [];
+    // A RouteStatus, and the route it is of.
+    this.route = undefined;
+    this.current = undefined;
+    this.routesRevision = 1n;
     this.events = [];
     this.time = 12;
     this.devices = ['laser', 'odometry', 'base', 'camera', 'server'].map(
@@ -220,6 +226,9 @@ export class MockAgent {
         xM: x + 0.05, yM: y - 0.04, yawRad: yaw + 0.03, heightM } },
       steps: BigInt(Math.round(this.time * 40)),
       zonesRevision: this.zonesRevision,
+      routesRevision: this.routesRevision,
+      ...this.route && { route: this.route },
+      ...this.battery && { battery: this.battery },
     };
   }
 
@@ -282,6 +291,10 @@ export class MockAgent {
       return give(body) ?? {};
     };
     const obey = (name) => method(name, (body) => this.obey(name, body));
+    const runRoute = method('RunRoute', (body) => {
+      this.obey('RunRoute', body);
+      return { route: this.route };
+    });
     const navigate = method('Navigate', (body) => {
       this.obey('Navigate', body);
       return { goal: { ...this.goal } };
@@ -292,6 +305,14 @@ export class MockAgent {
         // The page listens no longer than that.
         await new Promise((end) => { signal.addEventListener('abort', end); });
       },
+      async* runRoute(request, { signal }) {
+        yield runRoute(request);
+        await new Promise((end) => { signal.addEventListener('abort', end); });
+      },
+      getRoutes: () => ({ revision: this.routesRevision, routes: this.routes,
+        current: this.current, survivesRestart: true }),
+      putRoutes: obey('PutRoutes'), removeRoutes: obey('RemoveRoutes'),
+      resumeRoute: obey('ResumeRoute'), cancelRoute: obey('CancelRoute'),
       getInfo: () => this.info(),
       streamState: (_request, { signal }) => this.stream(signal),
       cancel: obey('Cancel'), pause: obey('Pause'), resume: obey('Resume'),
@@ -375,6 +396,16 @@ export class MockAgent {
         TYPES[path.extname(name)] ?? 'application/octet-stream');
   }
 
+  // Drives to the first waypoint of a route, as far as can be seen.
+  begin(route) {
+    this.current = route;
+    this.route = { id: (this.route?.id ?? 0n) + 1n, name: route.name,
+      state: routeMessages.RouteState.DRIVING, waypoint: 0,
+      waypoints: route.waypoints.length, loop: route.loop,
+      waypointName: route.waypoints[0].name, waitS: route.waypoints[0].waitS };
+    ++this.routesRevision;
+  }
+
   obey(method, body) {
     switch (method) {
       case 'Navigate': {
@@ -417,6 +448,29 @@ export class MockAgent {
             ({ name }) => !body.names.includes(name));
         ++this.zonesRevision;
         return { revision: this.zonesRevision };
+      case 'PutRoutes':
+        this.routes.push(...body.routes);
+        ++this.routesRevision;
+        return { revision: this.routesRevision, survivesRestart: true };
+      case 'RemoveRoutes':
+        this.routes = this.routes.filter(
+            ({ name }) => !body.names.includes(name));
+        ++this.routesRevision;
+        return { revision: this.routesRevision };
+      case 'RunRoute':
+        this.begin(body.what.case === 'kept' ?
+          this.routes.find(({ name }) => name === body.what.value) :
+          body.what.value);
+        return {};
+      case 'ResumeRoute':
+        this.route = { ...this.route, why: '',
+          state: routeMessages.RouteState.DRIVING };
+        return {};
+      case 'CancelRoute':
+        this.route = { ...this.route, why: 'somebody cancelled it',
+          state: routeMessages.RouteState.CANCELLED };
+        this.current = undefined;
+        return {};
       case 'SetInitialPose': {
         const { xM, yM, yawRad } = body.mapFromBase;
         this.pose = { x: xM, y: yM, yaw: yawRad };

@@ -8,11 +8,8 @@ import { after, before, beforeEach, afterEach, test } from 'node:test';
 
 import { assertAccessible } from './accessibility.js';
 import { dragOnMap, launch, openPage, windowOf } from './browser.js';
+import { near, text } from './checks.js';
 import { MockAgent } from './mock_agent.js';
-
-// A click is as exact as a pixel, which is about 2 cm on the map here; the
-// ground's cells are 10 cm.
-const NEAR_M = 0.12;
 
 let browser;
 let agent;
@@ -33,10 +30,6 @@ beforeEach(async () => {
 });
 afterEach(() => agent.vanish());
 
-function near(actual, wanted, by = NEAR_M) {
-  assert.ok(Math.abs(actual - wanted) <= by, `${actual} is not ${wanted}`);
-}
-
 // Waits for the agent, not for a time.
 async function asked(method) {
   for (let i = 0; i < 1500; ++i) {
@@ -48,10 +41,6 @@ async function asked(method) {
       JSON.stringify(agent.asked.map((entry) => entry.method)));
   return undefined;
 }
-
-const text = (page, selector, wanted) => page.waitForFunction(
-    ([where, what]) => document.querySelector(where)?.textContent.includes(what),
-    [selector, wanted], { polling: 50 });
 
 test('a goal is sent by a drag and followed to its end', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
@@ -96,43 +85,12 @@ test('the robot is told where it is', async () => {
   await close();
 });
 
-test('a zone is drawn corner by corner, listed and removed', async () => {
-  const { page, wrongs, close } = await openPage(browser, url, {}, /400/);
-  await page.click('#tool-zone');
-  await page.selectOption('#zone-kind', 'one-way');
-  assert.equal(await page.isDisabled('#zone-finish'), true);
-  for (const [x, y] of [[3.0, 3.0], [3.0, 5.0], [6.0, 5.0], [6.0, 3.0]]) {
-    await dragOnMap(page, [x, y, 0]);
-  }
-  await text(page, '.zone-hint', '4 corners');
-  await page.click('#zone-undo');
-  await text(page, '.zone-hint', '3 corners');
-  // A click that missed is taken back; the refusal of the agent leaves the rest.
-  agent.refusals.set('PutZones', 'zone crosses itself');
-  await page.click('#zone-finish');
-  await text(page, '.toasts', 'crosses itself');
-  agent.refusals.clear();
-  await dragOnMap(page, [6.0, 3.0, 0]);
-  await page.click('#zone-finish:enabled');
-  await text(page, '#zones', 'One way 1');
-  const { zones } = agent.lastAsked('PutZones');
-  assert.equal(zones.length, 1);
-  assert.equal(zones[0].corners.length, 4);
-  near(zones[0].corners[0].xM, 3);
-  near(zones[0].corners[1].yM, 5);
-  // As its first side was drawn.
-  near(zones[0].directionRad, Math.PI / 2, 0.1);
-  assert.equal(await page.getAttribute('#tool-look', 'aria-pressed'), 'true');
-  await page.click('#zones > summary');
-  await page.click('#zones button');
-  assert.deepEqual((await asked('RemoveZones')).names, ['One way 1']);
-  await text(page, '#zones', 'There are none');
-  assert.deepEqual(wrongs, []);
-  await close();
-});
-
 test('buttons ask for what they say', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
+  // Of a robot that does not tell of its battery nothing is said.
+  assert.equal(await page.isVisible('#battery'), false);
+  agent.battery = { voltageV: 74.5, charge: 0.76 };
+  await text(page, '#battery', '76 % · 74.5 V');
   assert.equal(await page.isDisabled('#cancel'), true);
   agent.obey('Navigate', { poses: [{ xM: 12, yM: 1, yawRad: 0, level: 0 }] });
   await page.click('#pause');

@@ -185,6 +185,8 @@ template std::vector<uint8_t> Encode(const TFMessage&);
 template absl::StatusOr<TFMessage> Decode(std::span<const uint8_t>);
 template std::vector<uint8_t> Encode(const LaserScan&);
 template absl::StatusOr<LaserScan> Decode(std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const BatteryState&);
+template absl::StatusOr<BatteryState> Decode(std::span<const uint8_t>);
 template std::vector<uint8_t> Encode(const PointCloud2&);
 template absl::StatusOr<PointCloud2> Decode(std::span<const uint8_t>);
 template std::vector<uint8_t> Encode(const Image&);

@@ -47,6 +47,38 @@ void ExpectBytes(const M& message, const std::string& text) {
 // Computed by hand from the definitions: each line a field, padding first.
 // Floats: 1 is 3f800000, 2 is 40000000, -0.5 is bf000000.
 
+TEST(MessageCodecTest, BatteryState) {
+  ExpectBytes(BatteryState{.header = {.stamp = {.sec = 258, .nanosec = 3},
+                                      .frame_id = "b"},
+                           .voltage = 0.5f,
+                           .percentage = 0.25f,
+                           .power_supply_status = BatteryState::kDischarging,
+                           .power_supply_health = 1,
+                           .power_supply_technology = 3,
+                           .present = true,
+                           .cell_voltage = {2},
+                           .location = "aft"},
+              "00 01 00 00"
+              "02 01 00 00"           // header.stamp.sec
+              "03 00 00 00"           // header.stamp.nanosec
+              "02 00 00 00 'b' 00"    // header.frame_id
+              "00 00"                 // padding to 16
+              "00 00 00 3f"           // voltage
+              "00 00 00 00"           // temperature
+              "00 00 00 00"           // current
+              "00 00 00 00"           // charge
+              "00 00 00 00"           // capacity
+              "00 00 00 00"           // design_capacity
+              "00 00 80 3e"           // percentage
+              "02 01 03"              // status, health, technology
+              "01"                    // present
+              "01 00 00 00"           // cell_voltage
+              "00 00 00 40"           //
+              "00 00 00 00"           // cell_temperature
+              "04 00 00 00 'aft' 00"  // location
+              "01 00 00 00 00");      // serial_number
+}
+
 TEST(MessageCodecTest, LaserScan) {
   ExpectBytes(LaserScan{.header = {.stamp = {.sec = 258, .nanosec = 3},
                                    .frame_id = "laser"},

@@ -87,6 +87,56 @@ struct Imu {
   }
 };
 
+// What is not measured is NaN; of unknown cells there are none.
+struct BatteryState {
+  static constexpr uint8_t kUnknown = 0;
+  static constexpr uint8_t kCharging = 1;
+  static constexpr uint8_t kDischarging = 2;
+  static constexpr uint8_t kNotCharging = 3;
+  static constexpr uint8_t kFull = 4;
+
+  Header header = {};
+  float voltage = 0;
+  float temperature = 0;
+  float current = 0;
+  float charge = 0;
+  float capacity = 0;
+  float design_capacity = 0;
+  // From 0 to 1.
+  float percentage = 0;
+  uint8_t power_supply_status = kUnknown;
+  uint8_t power_supply_health = 0;
+  uint8_t power_supply_technology = 0;
+  bool present = false;
+  std::vector<float> cell_voltage = {};
+  std::vector<float> cell_temperature = {};
+  std::string location = {};
+  std::string serial_number = {};
+
+  bool operator==(const BatteryState&) const = default;
+  static constexpr char kName[] = "sensor_msgs/msg/BatteryState";
+  static constexpr auto Fields() {
+    return std::make_tuple(
+        Named("header", &BatteryState::header),
+        Named("voltage", &BatteryState::voltage),
+        Named("temperature", &BatteryState::temperature),
+        Named("current", &BatteryState::current),
+        Named("charge", &BatteryState::charge),
+        Named("capacity", &BatteryState::capacity),
+        Named("design_capacity", &BatteryState::design_capacity),
+        Named("percentage", &BatteryState::percentage),
+        Named("power_supply_status", &BatteryState::power_supply_status),
+        Named("power_supply_health", &BatteryState::power_supply_health),
+        Named("power_supply_technology",
+              &BatteryState::power_supply_technology),
+        Named("present", &BatteryState::present),
+        Named("cell_voltage", &BatteryState::cell_voltage),
+        Named("cell_temperature", &BatteryState::cell_temperature),
+        Named("location", &BatteryState::location),
+        Named("serial_number", &BatteryState::serial_number));
+  }
+};
+
 struct PointField {
   static constexpr uint8_t kInt8 = 1;
   static constexpr uint8_t kUint8 = 2;

@@ -12,17 +12,18 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
-#include "common/wire/status.h"
 #include "nav_agent/app/run/agent_config.h"
-#include "treeline/v1/navigation.grpc.pb.h"
+#include "nav_agent/service/agent_stub.h"
 
 namespace treeline::navigate_app {
 namespace {
+
+using agent_service::AgentStub;
+using agent_service::CallStatus;
+using agent_service::EnumWord;
 
 constexpr const char* kFooter = R"(
 Shows how the robot gets on until it is there. Ctrl-C cancels the goal, unless
@@ -33,19 +34,14 @@ Examples:
   treeline-agent navigate --agent 127.0.0.1:50061 4,2,0 7.5,1,1.57,1)";
 
 struct NavigateFlags {
-  std::string agent = "127.0.0.1:50061";
+  std::string agent = agent_service::kAgentAddress;
   std::vector<std::string> poses;
   bool keep = false;
   bool quiet = false;
 };
 
-// "NAVIGATOR_MODE_DRIVING" -> "driving".
-std::string Word(const std::string& name, absl::string_view prefix) {
-  return absl::AsciiStrToLower(absl::StripPrefix(name, prefix));
-}
-
 std::string ModeWord(const v1::NavigateResponse& feedback) {
-  return Word(v1::NavigatorMode_Name(feedback.mode()), "NAVIGATOR_MODE_");
+  return EnumWord(v1::NavigatorMode_Name(feedback.mode()), "NAVIGATOR_MODE_");
 }
 
 // Over what was shown before, on a terminal; a line now and then elsewhere.
@@ -67,7 +63,7 @@ absl::Status ResultOf(const v1::GoalStatus& goal) {
   }
   return absl::AbortedError(absl::StrCat(
       "not there: ",
-      Word(v1::NavigationCause_Name(goal.cause()), "NAVIGATION_CAUSE_"),
+      EnumWord(v1::NavigationCause_Name(goal.cause()), "NAVIGATION_CAUSE_"),
       goal.why().empty() ? "" : ": ", goal.why()));
 }
 
@@ -89,8 +85,7 @@ absl::StatusOr<v1::NavigateRequest> RequestOf(const NavigateFlags& flags) {
 
 absl::Status Navigate(const NavigateFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const v1::NavigateRequest request, RequestOf(flags));
-  const auto stub = v1::NavigationService::NewStub(
-      grpc::CreateChannel(flags.agent, grpc::InsecureChannelCredentials()));
+  const auto stub = AgentStub(flags.agent);
   grpc::ClientContext context;
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->Navigate(&context, request);
@@ -99,11 +94,7 @@ absl::Status Navigate(const NavigateFlags& flags, const std::stop_token& stop) {
     if (!flags.quiet) Show(feedback);
   }
   if (!flags.quiet) std::fprintf(stderr, "\n");
-  const absl::Status status = wire::FromGrpc(stream->Finish());
-  if (!status.ok()) {
-    return absl::Status(status.code(),
-                        absl::StrCat(flags.agent, ": ", status.message()));
-  }
+  TL_RETURN_IF_ERROR(CallStatus(flags.agent, stream->Finish()));
   return ResultOf(feedback.goal());
 }
 

@@ -69,7 +69,8 @@ RosRobot::RosRobot(const RosRobotConfig& config, const base::Clock& real_clock,
       camera_(config.image,
               {.is_rectified = config.is_rectified,
                .has_depth = !config.depth.empty()},
-              1 / config.picture_hz, time_, real_clock) {}
+              1 / config.picture_hz, time_, real_clock),
+      battery_(real_clock) {}
 
 RosRobot::~RosRobot() {
   thread_.request_stop();
@@ -168,6 +169,12 @@ absl::Status RosRobot::Subscribe() {
         config_.rear_scan, kSensors,
         [this](const messages::LaserScan& message) {
           return rear_laser_.Add(message);
+        }));
+  }
+  if (!config_.battery.empty()) {
+    TL_RETURN_IF_ERROR(inputs_->Subscribe<messages::BatteryState>(
+        config_.battery, kSensors, [this](const messages::BatteryState& state) {
+          return battery_.Add(state);
         }));
   }
   return config_.image.empty() ? absl::OkStatus() : SubscribeCamera();

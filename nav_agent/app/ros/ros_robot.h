@@ -20,6 +20,7 @@
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
 #include "nav_agent/bridge/robot_ports/base_port.h"
+#include "nav_agent/bridge/robot_ports/battery_port.h"
 #include "nav_agent/bridge/robot_ports/camera_port.h"
 #include "nav_agent/bridge/robot_ports/laser_port.h"
 #include "nav_agent/bridge/robot_ports/odometry_port.h"
@@ -60,6 +61,8 @@ class RosRobot {
   core::RgbdCamera* camera() {
     return config_.image.empty() ? nullptr : &camera_;
   }
+  // nullopt: it tells none.
+  std::optional<core::Battery> battery() const { return battery_.battery(); }
   const robot_ports::RosTime& time() const { return time_; }
 
   const RosRobotConfig& config() const { return config_; }
@@ -101,6 +104,7 @@ class RosRobot {
   robot_ports::LaserPort rear_laser_;
   robot_ports::OdometryPort odometry_;
   robot_ports::CameraPort camera_;
+  robot_ports::BatteryPort battery_;
   mutable absl::Mutex mutex_;
   conversions::FrameTree frames_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<dds::Domain> domain_;

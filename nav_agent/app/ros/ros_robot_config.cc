@@ -26,6 +26,7 @@ struct RobotFile {
   std::string scan = RosRobotConfig().scan;
   std::string rear_scan;
   std::string odom = RosRobotConfig().odom;
+  std::string battery;
   std::string image;
   std::string camera_info;
   std::string depth;
@@ -86,6 +87,7 @@ void AddTopics(Table& table) {
   add(&RobotFile::scan, "scan", "LaserScan of the laser ahead");
   add(&RobotFile::rear_scan, "rear_scan", "LaserScan of one that looks back");
   add(&RobotFile::odom, "odom", "Odometry");
+  add(&RobotFile::battery, "battery", "BatteryState");
   add(&RobotFile::image, "image", "Image, or CompressedImage");
   add(&RobotFile::camera_info, "camera_info", "CameraInfo");
   add(&RobotFile::depth, "depth", "Depth registered to the pictures");
@@ -209,6 +211,7 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
   config.scan = file.scan;
   config.rear_scan = file.rear_scan;
   config.odom = file.odom;
+  config.battery = file.battery;
   config.depth = file.depth;
   config.reliable_pictures = file.reliable_pictures;
   config.is_rectified = file.rectified;

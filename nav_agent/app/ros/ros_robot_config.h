@@ -23,6 +23,7 @@ struct RosRobotConfig {
   std::string scan = "scan";
   std::string rear_scan;
   std::string odom = "odom";
+  std::string battery;
   std::string image;
   std::string camera_info;
   std::string depth;

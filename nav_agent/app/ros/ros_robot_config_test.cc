@@ -43,6 +43,7 @@ namespace: jackal
 remap: ["cmd_vel:=/jackal/twist_mux/cmd_vel"]
 base_frame: base_link
 rear_scan: scan_rear
+battery: battery_state
 image: camera/color/image_raw/compressed
 depth: camera/aligned_depth_to_color/image_raw
 stamped_cmd_vel: true
@@ -57,6 +58,7 @@ max_forward_mps: 1.5
   EXPECT_EQ(config->node.name_space, "jackal");
   ASSERT_EQ(config->node.remappings.size(), 1U);
   EXPECT_EQ(config->camera_info, "camera/color/camera_info");
+  EXPECT_EQ(config->battery, "battery_state");
   EXPECT_TRUE(config->is_cmd_vel_stamped);
   ASSERT_TRUE(config->base_from_laser.has_value());
   EXPECT_EQ(config->base_from_laser->translation.x, 0.12);

@@ -79,8 +79,9 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::state_dir,
             {.name = "state_dir",
              .value_name = "DIR",
-             .help = "Folder where a stop and drawn zones are kept, so that a "
-                     "restart finds them; default: a restart forgets them"});
+             .help = "Folder where a stop, drawn zones and routes are kept, so "
+                     "that a restart finds them; default: a restart forgets "
+                     "them"});
 }
 
 void AddPlace(Table& table) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -143,6 +144,7 @@ void AgentLoop::Step(base::MonotonicTime began) {
   const base::MonotonicTime thinks = clock_.Now();
   commands_.hub().RunCommands(navigator_);
   navigator_.Step();
+  commands_.StepRoute(navigator_, robot_.clock().Now());
   metrics_.ObserveStep(period_s, base::SecondsBetween(thinks, clock_.Now()));
   ++steps_;
   TakeEvents();
@@ -152,7 +154,10 @@ void AgentLoop::Step(base::MonotonicTime began) {
 }
 
 void AgentLoop::TakeEvents() {
-  for (const behavior::NavigatorEvent& event : navigator_.TakeEvents()) {
+  std::vector<behavior::NavigatorEvent> events = navigator_.TakeEvents();
+  std::ranges::move(commands_.routes().runner().TakeEvents(),
+                    std::back_inserter(events));
+  for (const behavior::NavigatorEvent& event : events) {
     metrics_.CountEvent(event.kind);
     commands_.hub().AddEvent(base::SecondsBetween(start_, event.stamp),
                              event.kind, event.text);
@@ -177,13 +182,20 @@ void AgentLoop::Publish() {
   state.devices = ReportDevices(devices, devices_.server);
   state.true_map_from_base = robot_.TrueMapFromBase();
   state.obstacles = robot_.Obstacles();
+  state.battery = robot_.Battery();
+  if (!state.battery.has_value() && devices_.battery != nullptr) {
+    state.battery = devices_.battery->battery();
+  }
   state.missed_deadlines = missed_;
   state.zones_revision = commands_.zones().revision();
+  commands_.ShowRoute(state);
   metrics_.ObserveState(state);
   commands_.hub().Publish(std::move(state));
 }
 
 void AgentLoop::Stand() {
+  // A route is to be found as it is.
+  commands_.routes().runner().Halt();
   navigator_.Halt();
   StepTimer timer(PeriodOf(options_));
   const auto steps =

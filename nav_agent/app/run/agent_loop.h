@@ -14,6 +14,7 @@
 #include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/service/agent_commands.h"
 #include "nav_agent/service/agent_metrics.h"
+#include "nav_agent/service/battery_tap.h"
 #include "nav_agent/service/device_taps.h"
 
 namespace treeline::run_app {
@@ -49,10 +50,12 @@ struct AgentLoopOptions {
   absl::Status Validate() const;
 };
 
-// Both may be null: there is none.
+// All may be null: there is none.
 struct WatchedDevices {
   core::RgbdCamera* camera = nullptr;
   const agent_service::WatchedServer* server = nullptr;
+  // For a battery that the robot tells with its wheels alone.
+  const agent_service::BatteryTap* battery = nullptr;
 };
 
 // Steps `navigator` until a stop is requested or the time is up, then has the

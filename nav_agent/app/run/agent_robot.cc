@@ -15,6 +15,7 @@
 #include "simulation/runs/lost_suite_world.h"
 #include "simulation/simulator/scenario.h"
 #include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/simulated_battery.h"
 #include "simulation/simulator/simulator.h"
 
 namespace treeline::run_app {
@@ -72,6 +73,8 @@ constexpr char kCrate[] = "crate";
 constexpr int kKidnapTries = 500;
 // Between a robot that begins and people who walk past (m).
 constexpr double kStartRoom_m = 0.3;
+// A slower robot does not drive.
+constexpr double kStandingSpeed_mps = 0.02;
 
 // From its middle, whichever way it stands.
 double StartRoom_m(const core::RobotModel& robot) {
@@ -106,7 +109,16 @@ class SimulatedAgentRobot final : public AgentRobot,
     return simulator_->options().robot;
   }
   void Advance(std::chrono::nanoseconds duration) override {
+    const geometry::Vec3 before = MapFromBase().translation;
     simulator_->Step(duration);
+    const double seconds = std::chrono::duration<double>(duration).count();
+    battery_.Drain(seconds, geometry::Norm(MapFromBase().translation - before) >
+                                kStandingSpeed_mps * seconds);
+  }
+  std::optional<core::Battery> Battery() const override {
+    return core::Battery{.voltage_v = battery_.voltage_v(),
+                         .charge = battery_.charge(),
+                         .charging = core::Charging::kNo};
   }
 
   agent_service::SimulationControl* simulation() override { return this; }
@@ -200,6 +212,7 @@ class SimulatedAgentRobot final : public AgentRobot,
   const runs::SuiteWorld places_;
   const geometry::Rigid3 map_from_world_;
   base::Random random_;
+  simulator::SimulatedBattery battery_;
   int next_obstacle_ = 1;
   std::map<std::string, geometry::Vec2> obstacles_;
 };

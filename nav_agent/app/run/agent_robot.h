@@ -30,6 +30,8 @@ class AgentRobot {
   virtual const core::RobotModel& model() const = 0;
   // Lets simulated time pass; a real robot's passes by itself.
   virtual void Advance(std::chrono::nanoseconds duration) = 0;
+  // What it tells apart from its wheels; nullopt: nothing.
+  virtual std::optional<core::Battery> Battery() const { return std::nullopt; }
 
   // ---- of a simulated robot ----
   virtual agent_service::SimulationControl* simulation() { return nullptr; }

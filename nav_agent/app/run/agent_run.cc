@@ -155,6 +155,7 @@ class AgentProgram {
   std::unique_ptr<AgentRecorder> recorder_;
   std::unique_ptr<RecordedLaser> laser_;
   std::unique_ptr<RecordedOdometry> odometry_;
+  std::unique_ptr<agent_service::BatteryTap> battery_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
   // Null: there are no spans.
   std::unique_ptr<AgentTracing> tracing_;
@@ -165,6 +166,7 @@ class AgentProgram {
   agent_service::AgentMetrics metrics_;
   std::unique_ptr<agent_service::StopFile> stops_;
   std::unique_ptr<agent_service::ZoneBook> zones_;
+  std::unique_ptr<agent_service::RouteDesk> routes_;
   std::unique_ptr<agent_service::AgentCommands> commands_;
   std::unique_ptr<behavior::Navigator> navigator_;
   std::unique_ptr<agent_service::HttpApi> api_;
@@ -245,6 +247,8 @@ absl::Status AgentProgram::WatchDevices() {
     odometry_ = std::make_unique<RecordedOdometry>(robot_->Devices().odometry,
                                                    *recorder_);
   }
+  battery_ = std::make_unique<agent_service::BatteryTap>(
+      odometry_ == nullptr ? robot_->Devices().odometry : *odometry_);
   core::RgbdCamera* camera = robot_->Devices().camera;
   if (camera == nullptr) return absl::OkStatus();
   camera_ = std::make_unique<agent_service::BackgroundCamera>(
@@ -295,8 +299,12 @@ absl::Status AgentProgram::Listen() {
         absl::StrCat("the robot starts stopped, until it is released: ", *why));
   }
   TL_RETURN_IF_ERROR(ReadZones());
+  TL_ASSIGN_OR_RETURN(routes_, agent_service::RouteDesk::Open(
+                                   static_cast<int>(map_->levels.levels.size()),
+                                   config_.state_dir));
   commands_ = std::make_unique<agent_service::AgentCommands>(
-      hub_, info_, robot_->simulation(), stops_.get(), zones_.get());
+      hub_, info_, robot_->simulation(), stops_.get(), zones_.get(),
+      routes_.get());
   if (!config_.listen.empty()) {
     TL_ASSIGN_OR_RETURN(
         grpc_,
@@ -392,7 +400,7 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
 behavior::NavigatorDevices AgentProgram::WatchedDevices() {
   const behavior::NavigatorDevices raw = robot_->Devices();
   return {.laser = laser_ == nullptr ? raw.laser : *laser_,
-          .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+          .odometry = *battery_,
           .base = raw.base,
           .rear_laser = raw.rear_laser,
           .camera = camera_.get(),
@@ -475,6 +483,10 @@ absl::Status AgentProgram::PlaceRobot() {
 absl::Status AgentProgram::GiveOrders() {
   commands_->StopAsKept(*navigator_);
   TL_RETURN_IF_ERROR(navigator_->SetZones(zones_->contents().map));
+  if (const absl::Status offered = routes_->Offer(robot_->clock().Now());
+      !offered.ok()) {
+    log_.Say(logging::LogLevel::kWarn, std::string(offered.message()));
+  }
   TL_ASSIGN_OR_RETURN(std::optional<agent_service::RequestedPose> start,
                       ParseRequestedPose(config_.start_at, "--start-at"));
   const std::optional<geometry::Rigid3> truth = robot_->TrueMapFromBase();
@@ -540,7 +552,9 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
   RepeatedLines events;
   AgentLoop loop(
       *robot_, *navigator_, *commands_, metrics_,
-      {.camera = camera_.get(), .server = server_.get()},
+      {.camera = camera_.get(),
+       .server = server_.get(),
+       .battery = battery_.get()},
       {.control_hz = kControlHz,
        .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
                                     : config_.speed,

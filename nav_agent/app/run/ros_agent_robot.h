@@ -33,6 +33,9 @@ class RosAgentRobot final : public AgentRobot {
             .camera = robot_->camera()};
   }
   const base::Clock& clock() const override { return robot_->time(); }
+  std::optional<core::Battery> Battery() const override {
+    return robot_->battery();
+  }
   // Whole once RosRobot::WaitUntilKnown has returned.
   const core::RobotModel& model() const override { return robot_->model(); }
   // Time passes by itself. Of a simulation it is waited for: steps are taken at

@@ -5,9 +5,10 @@ import { createConnectTransport } from '@connectrpc/connect-web';
 
 import { AgentClient } from './api/client.js';
 import { AgentStream, type Link } from './api/stream.js';
-import type { AgentInfo, RobotState } from './api/types.js';
+import type { AgentInfo, RobotState, Route } from './api/types.js';
 import { loadFields, loadLevelPicture, loadVoxels } from './map_loader.js';
 import { shownLevel } from './model/levels.js';
+import { isRouteOpen } from './model/route_draft.js';
 import { meshOf } from './model/voxel_mesh.js';
 import { CameraPanel } from './panels/camera_panel.js';
 import { DrivePanel } from './panels/drive_panel.js';
@@ -17,6 +18,7 @@ import { DevicesPanel, EventsPanel } from './panels/list_panels.js';
 import { MapBar, type Tool } from './panels/map_bar.js';
 import { Scale } from './panels/map_help.js';
 import { SimulationPanel } from './panels/simulation_panel.js';
+import { RoutesPanel } from './panels/routes_panel.js';
 import { StopBar } from './panels/stop_bar.js';
 import { LostPanel, StatusPanel } from './panels/status_panel.js';
 import { ZonesPanel } from './panels/zones_panel.js';
@@ -55,6 +57,12 @@ class Page {
   private readonly events = new EventsPanel();
   private readonly simulation: SimulationPanel;
   private readonly zones: ZonesPanel;
+  private readonly routes: RoutesPanel;
+  private routesRevision = -1;
+  private fetchesRoutes = false;
+  // The route under way as it was fetched, and the one that is shown.
+  private current: Route | null = null;
+  private shownRoute: Route | null = null;
   // Of the zones that are shown, and whether they are fetched.
   private zonesRevision = -1;
   private fetchesZones = false;
@@ -104,6 +112,7 @@ class Page {
         this.view?.setZoneDraft(corners, level, kind),
       done: () => this.bar.choose('look'),
     });
+    this.routes = this.makeRoutes();
     this.bar = new MapBar({
       level: (picked) => {
         this.pickedLevel = picked;
@@ -117,6 +126,7 @@ class Page {
         this.tool = tool;
         this.placing?.enable(tool !== 'look');
         this.zones.enable(tool === 'zone');
+        this.routes.enable(tool === 'route');
       },
     });
     this.status = new StatusPanel({
@@ -125,6 +135,8 @@ class Page {
       cancel: () => this.ask(client.cancel(), 'Goal cancelled.'),
       findYourself: () =>
         this.ask(client.findYourself(), 'The robot looks for its place.'),
+      resumeRoute: () => this.ask(client.resumeRoute(), 'Going on.'),
+      cancelRoute: () => this.ask(client.cancelRoute(), 'Route ended.'),
     });
     this.simulation = new SimulationPanel({
       kidnapAnywhere: () => this.ask(client.kidnapTo(null), 'Kidnapped.'),
@@ -153,6 +165,27 @@ class Page {
     this.build();
   }
 
+  private makeRoutes(): RoutesPanel {
+    const { client } = this;
+    const tellAndThrow = (error: unknown): never => {
+      this.tell(error);
+      throw error;
+    };
+    return new RoutesPanel({
+      put: (route) => client.putRoute(route).then(
+          (warning) => this.toasts.say(
+              `${route.name} is kept. ${warning}`.trim(),
+              warning === '' ? 'calm' : 'bad'), tellAndThrow),
+      run: (route) => client.runRoute(route).then(
+          () => this.toasts.say('Route sent.', 'calm'), tellAndThrow),
+      runKept: (name) => this.ask(client.runRoute(name), `${name} begins.`),
+      remove: (name) => this.ask(client.removeRoute(name), `${name} is gone.`),
+      drawn: (waypoints, isLoop) =>
+        this.view?.setRouteDraft(waypoints, isLoop),
+      done: () => this.bar.choose('look'),
+    });
+  }
+
   private makeView(): MapView | null {
     try {
       return new MapView(this.host);
@@ -169,10 +202,10 @@ class Page {
         el('span', { class: 'crosshair', attributes: { 'aria-hidden': 'true' } }),
         this.bar.top, this.scale.element,
         el('div', { class: 'map-bottom' }, this.bar.hint, this.zones.bar,
-            this.bar.tools));
+            this.routes.bar, this.bar.tools));
     const side = el('div', { class: 'side' },
         this.status.element, this.drive.element, this.lost.element,
-        this.zones.element, this.simulation.element);
+        this.routes.element, this.zones.element, this.simulation.element);
     const watch = el('div', { class: 'watch' },
         this.camera.element, this.devices.element, this.events.element);
     document.body.append(this.head.element, this.stop.banner,
@@ -227,6 +260,7 @@ class Page {
     }
     // An agent that began anew counts anew.
     this.zonesRevision = -1;
+    this.routesRevision = -1;
     if (link === 'live') void this.loadMap();
   }
 
@@ -243,6 +277,30 @@ class Page {
       this.tell(error);
       window.setTimeout(() => { this.fetchesZones = false; }, MAP_RETRY_MS);
     }
+  }
+
+  private async loadRoutes(): Promise<void> {
+    if (this.fetchesRoutes) return;
+    this.fetchesRoutes = true;
+    try {
+      const routes = await this.client.routes();
+      this.routesRevision = routes.revision;
+      this.routes.update(routes);
+      this.current = routes.current;
+      this.showRoute();
+      this.fetchesRoutes = false;
+    } catch (error) {
+      this.tell(error);
+      window.setTimeout(() => { this.fetchesRoutes = false; }, MAP_RETRY_MS);
+    }
+  }
+
+  // Its marks go with its end.
+  private showRoute(): void {
+    const route = isRouteOpen(this.state?.route ?? null) ? this.current : null;
+    if (route === this.shownRoute) return;
+    this.shownRoute = route;
+    this.view?.setRoute(route);
   }
 
   private async loadMap(): Promise<void> {
@@ -293,6 +351,8 @@ class Page {
     this.state = state;
     this.followLevel();
     if (state.zonesRevision !== this.zonesRevision) void this.loadZones();
+    if (state.routesRevision !== this.routesRevision) void this.loadRoutes();
+    this.showRoute();
     this.view?.setState(state);
     this.stop.update(state);
     this.status.update(state);
@@ -318,12 +378,16 @@ class Page {
 
   // ---- to the agent ----
 
-  private place({ x, y, yaw }: Placed): void {
+  private place({ x, y, yaw, isAimed }: Placed): void {
     const { client, level } = this;
     const pose = { x, y, yaw, level };
     const tool = this.tool;
     if (tool === 'zone') {
       this.zones.addCorner({ x, y }, level);
+      return;
+    }
+    if (tool === 'route') {
+      this.routes.addWaypoint({ x, y, level, yaw: isAimed ? yaw : null });
       return;
     }
     this.bar.choose('look');

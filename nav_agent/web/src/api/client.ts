@@ -7,8 +7,12 @@ import { Code, ConnectError, createClient, type CallOptions, type Client,
 import {
   NavigationService, SimulationService, type StreamStateResponse,
 } from '../gen/treeline/v1/navigation_pb.js';
-import { infoOf, zonesOf, zoneToProto } from './from_proto.js';
-import type { AgentInfo, Pose, Zone, Zones } from './types.js';
+import {
+  infoOf, routesOf, routeToProto, zonesOf, zoneToProto,
+} from './from_proto.js';
+import type {
+  AgentInfo, Pose, Route, Routes, Zone, Zones,
+} from './types.js';
 
 // What the agent answered, or why there is no answer, for people.
 export class ApiError extends Error {
@@ -100,6 +104,43 @@ export class AgentClient {
     return this.call((options) => this.navigation.removeZones(
         { names: [name] }, options)).then(() => {});
   }
+
+  routes(): Promise<Routes> {
+    return this.call(async (options) =>
+      routesOf(await this.navigation.getRoutes({}, options)));
+  }
+
+  // What is wrong with keeping it; '' if nothing is.
+  putRoute(route: Route): Promise<string> {
+    return this.call((options) => this.navigation.putRoutes(
+        { routes: [routeToProto(route)] }, options))
+        .then(({ warning }) => warning);
+  }
+
+  removeRoute(name: string): Promise<void> {
+    return this.call((options) => this.navigation.removeRoutes(
+        { names: [name] }, options)).then(() => {});
+  }
+
+  // One that is kept, by its name, or this one.
+  runRoute(route: Route | string): Promise<void> {
+    return this.call(async (options) => {
+      const what = typeof route === 'string' ?
+        { case: 'kept' as const, value: route } :
+        { case: 'route' as const, value: routeToProto(route) };
+      const feedback = this.navigation.runRoute(
+          { what, keepWhenCallEnds: true }, options);
+      // As with a goal.
+      for await (const _ of feedback) return;
+    });
+  }
+
+  resumeRoute = (): Promise<void> =>
+    this.call((options) => this.navigation.resumeRoute({}, options))
+        .then(() => {});
+  cancelRoute = (): Promise<void> =>
+    this.call((options) => this.navigation.cancelRoute({}, options))
+        .then(() => {});
 
   findYourself = (): Promise<void> =>
     this.call((options) => this.navigation.findYourself({}, options))

@@ -5,10 +5,13 @@ import type { DescEnum } from '@bufbuild/protobuf';
 
 import type { LevelPose } from '../gen/treeline/v1/navigation_pb.js';
 import * as v1 from '../gen/treeline/v1/navigation_pb.js';
+import * as v1b from '../gen/treeline/v1/battery_pb.js';
+import * as v1r from '../gen/treeline/v1/routes_pb.js';
 import * as v1z from '../gen/treeline/v1/zones_pb.js';
 import type {
-  AgentInfo, Costmap, Fix, Goal, GoalState, LevelInfo, Pose, RobotEvent,
-  RobotScene, RobotState, TrackedPose, Zone, ZoneKind, Zones,
+  AgentInfo, Battery, Costmap, Fix, Goal, GoalState, LevelInfo, Pose, RobotEvent,
+  RobotScene, RobotState, Route, Routes, RouteStatus, TrackedPose, Zone,
+  ZoneKind, Zones,
 } from './types.js';
 
 // A message that is one, and makes no sense.
@@ -161,6 +164,40 @@ function fixOf(fix: v1.RelocalizationFix | undefined): Fix | null {
   };
 }
 
+function routeStatusOf(status: v1r.RouteStatus | undefined):
+    RouteStatus | null {
+  if (status === undefined) return null;
+  return {
+    id: Number(status.id),
+    name: status.name,
+    state: wordOf(v1r.RouteStateSchema, status.state),
+    why: status.why,
+    waypoint: status.waypoint,
+    waypoints: status.waypoints,
+    waypointName: status.waypointName,
+    isLoop: status.loop,
+    lap: Number(status.lap),
+    waited: finiteOr(status.waitedS, 0),
+    wait: finiteOr(status.waitS, 0),
+    reached: Number(status.reached),
+    missed: Number(status.missed),
+    lastMissed: status.lastMissed.map(
+        ({ waypoint, why }) => `waypoint ${waypoint + 1}: ${why}`),
+    goalId: Number(status.goalId),
+    warning: status.warning,
+  };
+}
+
+function batteryOf(battery: v1b.BatteryStatus | undefined): Battery | null {
+  if (battery === undefined) return null;
+  return {
+    volts: finiteOr(battery.voltageV, 0),
+    charge: battery.charge === undefined ? null :
+      finiteOr(battery.charge, null),
+    charging: battery.charging === v1b.BatteryCharging.YES,
+  };
+}
+
 export function stateOf(state: v1.RobotState): RobotState {
   const truth = state.trueMapFromBase;
   return {
@@ -187,6 +224,9 @@ export function stateOf(state: v1.RobotState): RobotState {
     stop: state.stop === undefined ? null :
         { why: state.stop.why, since: finiteOr(state.stop.sinceS, 0) },
     zonesRevision: Number(state.zonesRevision),
+    route: routeStatusOf(state.route),
+    routesRevision: Number(state.routesRevision),
+    battery: batteryOf(state.battery),
     missedDeadlines: Number(state.missedDeadlines),
     steps: Number(state.steps),
   };
@@ -268,6 +308,42 @@ export function zoneToProto(zone: Zone) {
     corners: zone.corners.map(({ x, y }) => ({ xM: x, yM: y })),
     maxMps: zone.maxMps,
     directionRad: zone.direction,
+  };
+}
+
+const routeOf = (route: v1r.Route): Route => ({
+  name: route.name,
+  isLoop: route.loop,
+  stopsAtMissed: route.whenMissed === v1r.MissedPolicy.STOP,
+  waypoints: route.waypoints.map((waypoint) => ({
+    x: needFinite(waypoint.xM, 'x_m'),
+    y: needFinite(waypoint.yM, 'y_m'),
+    level: waypoint.level,
+    yaw: waypoint.yawRad === undefined ? null : finiteOr(waypoint.yawRad, null),
+    wait: finiteOr(waypoint.waitS, 0),
+    name: waypoint.name,
+  })),
+});
+
+export function routesOf(message: v1r.GetRoutesResponse): Routes {
+  return {
+    revision: Number(message.revision),
+    routes: message.routes.map(routeOf),
+    current: message.current === undefined ? null : routeOf(message.current),
+    warning: message.warning,
+  };
+}
+
+export function routeToProto(route: Route) {
+  return {
+    name: route.name,
+    loop: route.isLoop,
+    whenMissed: route.stopsAtMissed ? v1r.MissedPolicy.STOP :
+      v1r.MissedPolicy.GO_ON,
+    waypoints: route.waypoints.map(({ x, y, level, yaw, wait, name }) => ({
+      xM: x, yM: y, level, waitS: wait, name,
+      ...yaw !== null && { yawRad: yaw },
+    })),
   };
 }
 

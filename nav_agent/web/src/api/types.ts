@@ -111,6 +111,65 @@ export interface Zones {
   warning: string;
 }
 
+export interface Waypoint {
+  x: number;
+  y: number;
+  level: number;
+  // null: where the way leads on.
+  yaw: number | null;
+  wait: number;
+  name: string;
+}
+
+export interface Route {
+  name: string;
+  waypoints: Waypoint[];
+  isLoop: boolean;
+  // When a waypoint cannot be reached; else it goes on to the next.
+  stopsAtMissed: boolean;
+}
+
+export interface Routes {
+  revision: number;
+  routes: Route[];
+  // Under way, held or offered.
+  current: Route | null;
+  // Why a restart does not find them; '' if it does.
+  warning: string;
+}
+
+// docs/reference/routes.md: "driving", "waiting", "held", "offered",
+// "succeeded", "failed", "cancelled"; '' of what this page does not know.
+export interface RouteStatus {
+  id: number;
+  name: string;
+  state: string;
+  why: string;
+  // From 0, and how many there are.
+  waypoint: number;
+  waypoints: number;
+  waypointName: string;
+  isLoop: boolean;
+  lap: number;
+  waited: number;
+  wait: number;
+  reached: number;
+  missed: number;
+  // In words, the newest last.
+  lastMissed: string[];
+  goalId: number;
+  // Why a restart does not find it; '' if it does.
+  warning: string;
+}
+
+export interface Battery {
+  // 0: it does not tell.
+  volts: number;
+  // Of a full one, in [0, 1]; null: it does not tell.
+  charge: number | null;
+  charging: boolean;
+}
+
 export interface RobotState {
   time: number;
   mode: string;
@@ -129,6 +188,11 @@ export interface RobotState {
   stop: { why: string; since: number } | null;
   // Of the zones that there are now.
   zonesRevision: number;
+  // The last one; null: there was none.
+  route: RouteStatus | null;
+  routesRevision: number;
+  // null: the robot does not tell.
+  battery: Battery | null;
   missedDeadlines: number;
   steps: number;
 }

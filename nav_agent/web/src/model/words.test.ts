@@ -5,7 +5,8 @@ import type { Goal, RobotState } from '../api/types.js';
 import { headingOf, headingTowards, turnBetween } from './gesture.js';
 import { cutHeight, NO_CUT_M, shownLevel } from './levels.js';
 import {
-  clockOf, degrees, isPaused, knowsPlace, metres, percent, plain, sayDoubt,
+  clockOf, degrees, isPaused, knowsPlace, metres, percent, plain, sayBattery,
+  sayDoubt,
   sayFix, sayGoal, sayState, signed,
 } from './words.js';
 
@@ -14,7 +15,9 @@ const stateOf = (fields: Partial<RobotState>): RobotState => ({
   lost: { probability: 0, state: 'localized', reason: 'none' },
   command: { forward: 0, yawRate: 0 }, goal: null, fix: null, devices: [],
   truth: null,
-  stop: null, missedDeadlines: 0, zonesRevision: 0, steps: 0, ...fields,
+  stop: null, missedDeadlines: 0, zonesRevision: 0, route: null, routesRevision: 0,
+  battery: null,
+  steps: 0, ...fields,
 });
 
 const goalOf = (fields: Partial<Goal>): Goal => ({
@@ -178,4 +181,24 @@ test('the map is cut above the robot, if it is on the shown level', () => {
   assert.equal(cutHeight(1, 0, { level: 0, height: 0.5 }, 0), 1.5);
   assert.equal(cutHeight(1, 3, { level: 0, height: 0.5 }, 1), 4);
   assert.equal(cutHeight(NO_CUT_M, 0, null, 0), Infinity);
+});
+
+test('a battery says what it tells, and nothing else', () => {
+  assert.equal(sayBattery(null), '');
+  assert.equal(sayBattery({ volts: 0, charge: null, charging: false }), '');
+  assert.equal(
+      sayBattery({ volts: 74.52, charge: null, charging: false }), '74.5 V');
+  assert.equal(sayBattery({ volts: 24, charge: 0.756, charging: true }),
+      '76 % · 24.0 V · charges');
+});
+
+test('a robot that waits on its route says for how long', () => {
+  const route = {
+    id: 1, name: '', state: 'waiting', why: '', waypoint: 0, waypoints: 2,
+    waypointName: '', isLoop: false, lap: 0, waited: 2.5, wait: 10, reached: 1,
+    missed: 0, lastMissed: [], goalId: 1, warning: '',
+  };
+  assert.deepEqual(sayState(stateOf({ mode: 'idle', route })),
+      { title: 'Waiting', text: 'At a waypoint, for 8 s.', tone: 'busy' });
+  assert.equal(sayState(stateOf({ mode: 'paused', route })).title, 'Paused');
 });

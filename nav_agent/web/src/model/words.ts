@@ -1,6 +1,6 @@
 // The robot's state in plain words.
 
-import type { Fix, Goal, RobotState } from '../api/types.js';
+import type { Battery, Fix, Goal, RobotState } from '../api/types.js';
 
 export type Tone = 'calm' | 'busy' | 'warn' | 'bad';
 
@@ -68,6 +68,11 @@ export function isPaused(state: RobotState): boolean {
 }
 
 export function sayState(state: RobotState): Saying {
+  const { route } = state;
+  if (route?.state === 'waiting' && keyOf(state.mode) === 'idle') {
+    return { title: 'Waiting', tone: 'busy',
+      text: `At a waypoint, for ${Math.ceil(route.wait - route.waited)} s.` };
+  }
   const known = MODES[keyOf(state.mode)];
   const saying: Saying = known ??
       { title: plain(state.mode || 'unknown'), text: '', tone: 'calm' };
@@ -203,6 +208,16 @@ export function sayDoubt(state: RobotState): Doubt {
     return { ...says('', 'warn'), text: `In doubt: ${places}` };
   }
   return says(LOST_STATES[verdict] ?? plain(lost.state), 'calm');
+}
+
+// "76 %, 74.5 V, charges"; '' of one that tells nothing.
+export function sayBattery(battery: Battery | null): string {
+  if (battery === null) return '';
+  return [
+    ...battery.charge === null ? [] : [percent(battery.charge)],
+    ...battery.volts > 0 ? [`${battery.volts.toFixed(1)} V`] : [],
+    ...battery.charging ? ['charges'] : [],
+  ].join(' · ');
 }
 
 // What the server said of the last picture, and what became of that.

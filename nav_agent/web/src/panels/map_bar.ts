@@ -5,7 +5,8 @@ import { DEFAULT_CUT_M, NO_CUT_M } from '../model/levels.js';
 import { button, el, setShown, setText } from '../common/dom.js';
 import { MapHelp } from './map_help.js';
 
-export type Tool = 'look' | 'goal' | 'pose' | 'zone' | 'kidnap' | 'obstacle';
+export type Tool = 'look' | 'goal' | 'pose' | 'zone' | 'route' |
+  'kidnap' | 'obstacle';
 
 export interface MapCommands {
   level(picked: number | null): void;
@@ -20,7 +21,7 @@ const LAYER_LABELS: Record<LayerName, string> = {
   octomap: 'OctoMap', ground: 'Traversable map', zones: 'Zones',
   costmap: 'Local costmap',
   scan: 'Laser scan', particles: 'Particles', tree: 'Search tree',
-  path: 'Path', bubbles: 'Bubbles', blockages: 'Blockages',
+  route: 'Route', path: 'Path', bubbles: 'Bubbles', blockages: 'Blockages',
   truth: 'True pose (simulation)',
 };
 
@@ -33,6 +34,7 @@ const TOOLS: readonly
         'Click where the robot stands; drag to choose its heading.', 'p'],
       // Its hints are beside what it needs.
       ['zone', 'Draw zone', '', 'z'],
+      ['route', 'Draw route', '', 'r'],
       ['kidnap', 'Kidnap here',
         'Click where the robot shall be put without being told.', ''],
       ['obstacle', 'Add box', 'Click where a box shall stand.', ''],

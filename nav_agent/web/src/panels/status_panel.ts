@@ -2,9 +2,10 @@
 
 import type { RobotState } from '../api/types.js';
 import {
-  degrees, isPaused, isUnderWay, knowsPlace, metres, sayDoubt, sayGoal,
+  degrees, isPaused, isUnderWay, knowsPlace, metres, sayBattery, sayDoubt, sayGoal,
   sayState, signed,
 } from '../model/words.js';
+import { isRouteOpen, mayGoOn, sayRoute } from '../model/route_draft.js';
 import { button, card, el, Meter, setData, setShown, setText } from '../common/dom.js';
 
 export interface RobotCommands {
@@ -12,6 +13,8 @@ export interface RobotCommands {
   resume(): void;
   cancel(): void;
   findYourself(): void;
+  resumeRoute(): void;
+  cancelRoute(): void;
 }
 
 export class StatusPanel {
@@ -22,12 +25,20 @@ export class StatusPanel {
   private readonly goalLine = el('p', { class: 'goal-line', id: 'goal' });
   private readonly goalMeter = new Meter('Part of the way that is done');
   private readonly goalWhy = el('p', { class: 'detail' });
+  private readonly routeLine = el('p', { class: 'goal-line', id: 'route' });
+  private readonly routeWhy = el('p', { class: 'detail', id: 'route-why' });
+  private readonly goOn: HTMLButtonElement;
+  private readonly endRoute: HTMLButtonElement;
+  private readonly routeBox: HTMLElement;
   private readonly pause: HTMLButtonElement;
   private readonly cancel: HTMLButtonElement;
   private readonly where: HTMLButtonElement;
   private readonly speed = el('dd');
   private readonly place = el('dd');
   private readonly doubt = el('dd');
+  private readonly battery = el('dd', { id: 'battery' });
+  private readonly batteryBox =
+      el('div', {}, el('dt', {}, 'Battery'), this.battery);
   private isPaused = false;
 
   constructor(private readonly commands: RobotCommands) {
@@ -39,17 +50,26 @@ export class StatusPanel {
     this.where = button('Where am I?', () => commands.findYourself(),
         { class: 'wide', id: 'find-yourself',
           attributes: { title: 'The robot stops and asks the server' } });
+    this.goOn = button('Go on', () => commands.resumeRoute(),
+        { class: 'wide primary', id: 'route-resume',
+          attributes: { title: 'Go on with the route' } });
+    this.endRoute = button('End route', () => commands.cancelRoute(),
+        { class: 'wide', id: 'route-cancel' });
+    this.routeBox = el('div', { class: 'goal' }, this.routeLine, this.routeWhy,
+        el('div', { class: 'row needs-link' }, this.goOn, this.endRoute));
     const live = el('div',
         { attributes: { 'aria-live': 'polite', 'aria-atomic': 'true' } },
         this.title, this.text, this.advice);
     this.element = card('Robot', 'status', live,
         el('div', { class: 'goal' }, this.goalLine, this.goalMeter.element,
             this.goalWhy),
+        this.routeBox,
         el('div', { class: 'buttons needs-link' }, this.pause, this.cancel, this.where),
         el('dl', { class: 'figures' },
             el('div', {}, el('dt', {}, 'Speed'), this.speed),
             el('div', {}, el('dt', {}, 'Place'), this.place),
-            el('div', {}, el('dt', {}, 'Sure to'), this.doubt)));
+            el('div', {}, el('dt', {}, 'Sure to'), this.doubt),
+            this.batteryBox));
   }
 
   // As a click on the button does, if it can be clicked.
@@ -71,19 +91,38 @@ export class StatusPanel {
     setText(this.advice, isCalm ? '' : state.advice);
     setShown(this.advice, !isCalm && state.advice !== '');
     this.updateGoal(state);
+    this.updateRoute(state);
     this.isPaused = isPaused(state);
     setText(this.pause, this.isPaused ? 'Resume' : 'Pause');
     this.pause.classList.toggle('primary', this.isPaused);
-    this.cancel.disabled = !isUnderWay(state.goal);
+    this.cancel.disabled =
+        !isUnderWay(state.goal) && !isRouteOpen(state.route);
     const { command } = state;
     const pose = knowsPlace(state) ? state.pose : null;
     setText(this.speed, `${signed(command.forward, 2)} m/s`);
     setText(this.place, pose === null ? 'unknown' :
         `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.yaw)}`);
+    const battery = sayBattery(state.battery);
+    setText(this.battery, battery);
+    setShown(this.batteryBox, battery !== '');
     setText(this.doubt, pose === null || pose.std === null ? '–' :
         (pose.std < 1 ? `${Math.round(100 * pose.std)} cm` :
           metres(pose.std)) +
         (pose.stdYaw === null ? '' : ` · ${degrees(pose.stdYaw)}`));
+  }
+
+  private updateRoute({ route, stop }: RobotState): void {
+    setShown(this.routeBox, route !== null);
+    if (route === null) return;
+    const saying = sayRoute(route);
+    setText(this.routeLine, saying.title);
+    setData(this.routeLine, 'tone', saying.tone);
+    setText(this.routeWhy, saying.text);
+    setShown(this.routeWhy, saying.text !== '');
+    setShown(this.goOn, mayGoOn(route));
+    this.goOn.disabled = stop !== null;
+    // One that is under way ends with Cancel.
+    setShown(this.endRoute, mayGoOn(route));
   }
 
   private updateGoal(state: RobotState): void {

@@ -7,7 +7,7 @@ import {
 import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
 
 import type {
-  AgentInfo, RobotScene, RobotState, ZoneKind, Zones,
+  AgentInfo, RobotScene, RobotState, Route, Waypoint, ZoneKind, Zones,
 } from '../api/types.js';
 import { turnBetween, type Place } from '../model/gesture.js';
 import type { HeightField } from '../model/height_field.js';
@@ -26,13 +26,14 @@ import {
 } from './layers/mark_layers.js';
 import { OtherPlacesLayer } from './layers/other_places_layer.js';
 import { RobotLayer, type Stand } from './layers/robot_layer.js';
+import { RouteLayer } from './layers/route_layer.js';
 import { VoxelLayer } from './layers/voxel_layer.js';
 import { ZoneLayer } from './layers/zone_layer.js';
 import { currentTheme, onThemeChange } from './theme.js';
 
 export const LAYERS = [
   'octomap', 'ground', 'zones', 'costmap', 'scan', 'particles', 'tree',
-  'path', 'bubbles', 'blockages', 'truth',
+  'route', 'path', 'bubbles', 'blockages', 'truth',
 ] as const;
 export type LayerName = typeof LAYERS[number];
 
@@ -83,6 +84,7 @@ export class MapView {
   private readonly blockages = new BlockageLayer();
   private readonly obstacles = new ObstacleLayer();
   private readonly zones = new ZoneLayer();
+  private readonly routes = new RouteLayer();
   private shownZones: Zones | null = null;
   private fields: HeightField[] = [];
   private level = 0;
@@ -130,7 +132,8 @@ export class MapView {
         this.tree.object, this.bubbles.object, this.path.object,
         this.blockages.object, this.obstacles.object, this.particles.object,
         this.scan.object, this.robot.doubt, this.robot.truth, this.robot.robot,
-        this.otherPlaces.object, this.goal.object, this.choice.object);
+        this.otherPlaces.object, this.routes.object, this.goal.object,
+        this.choice.object);
     this.paint();
     onThemeChange(() => {
       this.theme = currentTheme();
@@ -149,7 +152,8 @@ export class MapView {
     this.path.material.color.set(theme.path);
     this.choice.material.color.set(theme.goal);
     for (const layer of [this.robot, this.bubbles, this.goal, this.blockages,
-      this.obstacles, this.ground, this.otherPlaces, this.zones]) {
+      this.obstacles, this.ground, this.otherPlaces, this.zones,
+      this.routes]) {
       layer.paint(theme);
     }
     this.draw();
@@ -227,6 +231,7 @@ export class MapView {
     this.scan.object.visible = isShown('scan');
     this.particles.object.visible = isShown('particles');
     this.tree.object.visible = isShown('tree');
+    this.routes.object.visible = isShown('route');
     this.path.object.visible = isShown('path');
     this.bubbles.object.visible = isShown('bubbles');
     this.blockages.object.visible = isShown('blockages');
@@ -254,6 +259,21 @@ export class MapView {
       void {
     this.zones.setDraft(
         corners, kind, (x, y) => this.groundAt(x, y, level));
+    this.draw();
+  }
+
+  // ---- routes ----
+
+  // Under way; null: none is.
+  setRoute(route: Route | null): void {
+    this.routes.set(route?.waypoints ?? [], route?.isLoop ?? false,
+        (x, y, level) => this.groundAt(x, y, level));
+    this.draw();
+  }
+
+  setRouteDraft(waypoints: readonly Waypoint[], isLoop: boolean): void {
+    this.routes.setDraft(waypoints, isLoop,
+        (x, y, level) => this.groundAt(x, y, level));
     this.draw();
   }
 

@@ -1,12 +1,16 @@
 // One click or drag on the map: a place, or a place and a heading.
 
-import { headingOf, headingTowards, type Place } from '../model/gesture.js';
+import {
+  CLICK_PIXELS, headingOf, headingTowards, type Place,
+} from '../model/gesture.js';
 import type { MapView } from './map_view.js';
 
 export interface Placed {
   x: number;
   y: number;
   yaw: number;
+  // Whether the heading was chosen, too.
+  isAimed: boolean;
 }
 
 interface Drag {
@@ -15,6 +19,7 @@ interface Drag {
   clientY: number;
   at: { x: number; y: number; z: number };
   yaw: number;
+  isAimed: boolean;
 }
 
 export class Placing {
@@ -55,7 +60,8 @@ export class Placing {
     const at = this.view.groundUnder(
         box.left + box.width / 2, box.top + box.height / 2);
     if (at === null) return;
-    this.place({ x: at.x, y: at.y, yaw: headingTowards(this.robot(), at) });
+    this.place({ x: at.x, y: at.y, yaw: headingTowards(this.robot(), at),
+      isAimed: false });
   }
 
   private begin(event: PointerEvent): void {
@@ -69,7 +75,7 @@ export class Placing {
     if (at === null) return;
     this.drag = {
       pointer: event.pointerId, clientX: event.clientX, clientY: event.clientY,
-      at, yaw: headingTowards(this.robot(), at),
+      at, yaw: headingTowards(this.robot(), at), isAimed: false,
     };
     this.view.choice.show(at.x, at.y, at.z, this.drag.yaw);
     this.view.draw();
@@ -88,6 +94,7 @@ export class Placing {
     if (to === null) return;
     const pixels = Math.hypot(
         event.clientX - drag.clientX, event.clientY - drag.clientY);
+    drag.isAimed = pixels >= CLICK_PIXELS;
     drag.yaw = headingOf(
         drag.at, to, pixels, headingTowards(this.robot(), drag.at));
   }
@@ -97,6 +104,7 @@ export class Placing {
     if (drag === null || drag.pointer !== event.pointerId) return;
     this.aim(drag, event);
     this.stop();
-    this.place({ x: drag.at.x, y: drag.at.y, yaw: drag.yaw });
+    this.place({ x: drag.at.x, y: drag.at.y, yaw: drag.yaw,
+      isAimed: drag.isAimed });
   }
 }

@@ -16,6 +16,7 @@ export interface Theme {
   scan: number;
   particle: number;
   goal: number;
+  route: number;
   blockage: number;
   obstacle: number;
   costMap: [number, number, number];
@@ -37,6 +38,7 @@ export const LIGHT: Theme = {
   scan: 0xc2185b,
   particle: 0x7b3fc4,
   goal: 0x1f5fd0,
+  route: 0x00796b,
   blockage: 0xb3261e,
   obstacle: 0xb8741a,
   costMap: [110, 96, 160],
@@ -58,6 +60,7 @@ export const DARK: Theme = {
   scan: 0xff6fa8,
   particle: 0xb892ff,
   goal: 0x7fb0ff,
+  route: 0x4dd0c0,
   blockage: 0xff8a80,
   obstacle: 0xe6b05a,
   costMap: [150, 136, 210],

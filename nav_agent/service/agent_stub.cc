@@ -1,0 +1,25 @@
+#include "nav_agent/service/agent_stub.h"
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/strip.h"
+#include "common/base/status_macros.h"
+#include "common/wire/status.h"
+
+namespace treeline::agent_service {
+
+std::unique_ptr<v1::NavigationService::Stub> AgentStub(
+    const std::string& address) {
+  return v1::NavigationService::NewStub(
+      grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+}
+
+absl::Status CallStatus(const std::string& address,
+                        const grpc::Status& status) {
+  return base::Annotate(wire::FromGrpc(status), address);
+}
+
+std::string EnumWord(const std::string& name, absl::string_view prefix) {
+  return absl::AsciiStrToLower(absl::StripPrefix(name, prefix));
+}
+
+}  // namespace treeline::agent_service
