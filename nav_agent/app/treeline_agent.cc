@@ -3,6 +3,7 @@
 
 #include "CLI/CLI.hpp"
 #include "nav_agent/app/bridge/bridge_command.h"
+#include "nav_agent/app/calibrate/calibrate_command.h"
 #include "nav_agent/app/doctor/doctor_command.h"
 #include "nav_agent/app/localize/localize_command.h"
 #include "nav_agent/app/log/log_command.h"
@@ -33,6 +34,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           traversability_app::AddTraversabilityCommand(app),
           score_app::AddScoreTrajectoryCommand(app),
           log_app::AddLogCommand(app),
+          calibrate_app::AddCalibrateCommand(app),
           suite_app::AddSuiteCommand(app),
           bridge_app::AddBridgeCommand(app)};
 }

@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/check_range.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
@@ -18,6 +19,10 @@ namespace {
 
 constexpr size_t kMaxFileBytes = 65536;
 constexpr size_t kMaxCorners = 64;
+// Of SensorCorrection.
+constexpr double kMinScale = 0.5;
+constexpr double kMaxScale = 2;
+constexpr double kMaxDelay_s = 0.5;
 
 RangeSensorInfo LaserOf(int beams, double field_of_view_rad, double min_m,
                         double max_m, double rate_hz) {
@@ -189,10 +194,38 @@ absl::Status ReadLasers(const yaml::YamlNode& file, RobotDescription& robot) {
   return ReadLaser(node, robot.model.base_from_rear_laser, *robot.lasers.rear);
 }
 
+absl::Status ReadCorrection(const yaml::YamlNode& file,
+                            SensorCorrection& correction) {
+  if (!file.Has("odometry")) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, file.Get("odometry"));
+  TL_RETURN_IF_ERROR(
+      node.CheckKeys({"left_scale", "right_scale", "laser_delay_s"}));
+  TL_ASSIGN_OR_RETURN(
+      correction.left_scale,
+      node.NumberOr("left_scale", correction.left_scale, kMinScale, kMaxScale));
+  TL_ASSIGN_OR_RETURN(correction.right_scale,
+                      node.NumberOr("right_scale", correction.right_scale,
+                                    kMinScale, kMaxScale));
+  TL_ASSIGN_OR_RETURN(correction.laser_delay_s,
+                      node.NumberOr("laser_delay_s", correction.laser_delay_s,
+                                    -kMaxDelay_s, kMaxDelay_s));
+  return absl::OkStatus();
+}
+
 }  // namespace
+
+absl::Status SensorCorrection::Validate() const {
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("left_scale", left_scale, kMinScale, kMaxScale));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("right_scale", right_scale, kMinScale, kMaxScale));
+  return base::CheckRange("laser_delay_s", laser_delay_s, -kMaxDelay_s,
+                          kMaxDelay_s);
+}
 
 absl::Status RobotDescription::Validate() const {
   TL_RETURN_IF_ERROR(model.Validate());
+  TL_RETURN_IF_ERROR(correction.Validate());
   for (const geometry::Vec3& at : {model.base_from_laser.translation,
                                    model.base_from_rear_laser.translation}) {
     if (at.z <= 0 || at.z > model.height_m) {
@@ -229,7 +262,8 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
                                      "max_deceleration_mps2",
                                      "max_yaw_acceleration_radps2",
                                      "laser",
-                                     "rear_laser"}));
+                                     "rear_laser",
+                                     "odometry"}));
   TL_ASSIGN_OR_RETURN(const std::string like, file.TextOr("like", "rmp100"));
   const RobotDescription* known = FindRobot(like);
   if (known == nullptr) return file.Error(UnknownRobot(like).message());
@@ -238,6 +272,7 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
   TL_RETURN_IF_ERROR(ReadFootprint(file, robot.model));
   TL_RETURN_IF_ERROR(ReadMeasures(file, robot.model));
   TL_RETURN_IF_ERROR(ReadLasers(file, robot));
+  TL_RETURN_IF_ERROR(ReadCorrection(file, robot.correction));
   const absl::Status valid = robot.Validate();
   if (!valid.ok()) return file.Error(valid.message());
   return robot;

@@ -13,10 +13,26 @@
 
 namespace treeline::core {
 
+// What a real robot's measurements are corrected by before they are used, as
+// `treeline-agent calibrate` finds it. Recordings hold them uncorrected.
+struct SensorCorrection {
+  // What the wheels count is multiplied by (0.5 to 2).
+  double left_scale = 1;
+  double right_scale = 1;
+  // Scans of the laser are stamped this much later than wheel readings of the
+  // same moment (s, -0.5 to 0.5).
+  double laser_delay_s = 0;
+
+  constexpr bool operator==(const SensorCorrection&) const = default;
+  // INVALID_ARGUMENT for what is not within these bounds.
+  absl::Status Validate() const;
+};
+
 struct RobotDescription {
   std::string name;
   RobotModel model;
   RobotLasers lasers;
+  SensorCorrection correction{};
 
   absl::Status Validate() const;
 };

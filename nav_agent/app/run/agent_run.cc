@@ -27,6 +27,7 @@
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/bridge/foxglove/foxglove_server.h"
+#include "nav_agent/core/corrected_devices.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
@@ -154,6 +155,9 @@ class AgentProgram {
   std::unique_ptr<AgentRecorder> recorder_;
   std::unique_ptr<RecordedLaser> laser_;
   std::unique_ptr<RecordedOdometry> odometry_;
+  // What the navigator gets: corrected. Recordings are not.
+  std::unique_ptr<core::CorrectedLaser> corrected_laser_;
+  std::unique_ptr<core::CorrectedOdometry> corrected_odometry_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
   std::unique_ptr<core::RelocalizationPort> port_;
   std::unique_ptr<agent_service::WatchedServer> server_;
@@ -241,6 +245,14 @@ absl::Status AgentProgram::WatchDevices() {
         std::make_unique<RecordedLaser>(robot_->Devices().laser, *recorder_);
     odometry_ = std::make_unique<RecordedOdometry>(robot_->Devices().odometry,
                                                    *recorder_);
+  }
+  if (const core::SensorCorrection correction = robot_->correction();
+      correction != core::SensorCorrection()) {
+    const behavior::NavigatorDevices heard = WatchedDevices();
+    corrected_laser_ =
+        std::make_unique<core::CorrectedLaser>(heard.laser, correction);
+    corrected_odometry_ =
+        std::make_unique<core::CorrectedOdometry>(heard.odometry, correction);
   }
   core::RgbdCamera* camera = robot_->Devices().camera;
   if (camera == nullptr) return absl::OkStatus();
@@ -386,8 +398,11 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
 
 behavior::NavigatorDevices AgentProgram::WatchedDevices() {
   const behavior::NavigatorDevices raw = robot_->Devices();
-  return {.laser = laser_ == nullptr ? raw.laser : *laser_,
-          .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+  core::RangeSensor& laser = laser_ == nullptr ? raw.laser : *laser_;
+  core::Odometry& odometry = odometry_ == nullptr ? raw.odometry : *odometry_;
+  return {.laser = corrected_laser_ == nullptr ? laser : *corrected_laser_,
+          .odometry =
+              corrected_odometry_ == nullptr ? odometry : *corrected_odometry_,
           .base = raw.base,
           .rear_laser = raw.rear_laser,
           .camera = camera_.get(),
