@@ -10,6 +10,7 @@
 #include "nav_agent/app/map/map_command.h"
 #include "nav_agent/app/navigate/navigate_command.h"
 #include "nav_agent/app/plan/plan_command.h"
+#include "nav_agent/app/robot/robot_command.h"
 #include "nav_agent/app/run/run_command.h"
 #include "nav_agent/app/score/score_command.h"
 #include "nav_agent/app/simulate/simulate_command.h"
@@ -35,6 +36,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           score_app::AddScoreTrajectoryCommand(app),
           log_app::AddLogCommand(app),
           calibrate_app::AddCalibrateCommand(app),
+          robot_app::AddRobotCommand(app),
           suite_app::AddSuiteCommand(app),
           bridge_app::AddBridgeCommand(app)};
 }

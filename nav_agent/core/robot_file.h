@@ -39,7 +39,8 @@ struct RobotDescription {
 
 // The robots that programs know: "rmp100", the thesis's Segway with a UTM-30LX
 // ahead and a UST-10LX behind; "jackal", Clearpath's as the BARN challenge
-// drives it, 0.508 x 0.430 m, with one laser of 270 degrees.
+// drives it, 0.508 x 0.430 m, with one laser of 270 degrees; "turtlebot3", the
+// burger with its LDS-01.
 std::vector<std::string> RobotNames();
 
 // A YAML text (docs/reference/robots.md): `like` one of these, and what is
