@@ -18,6 +18,9 @@ namespace treeline::urdf {
 namespace {
 
 constexpr int kCircleCorners = 16;
+// Corners that stand out by less are of a straight side: angles in URDFs have
+// seven digits.
+constexpr double kStraight_m2 = 1e-7;
 // Lasers that are tilted by more see the floor 3 m away.
 constexpr double kLevel_rad = 0.05;
 // Both wheels of an axle are at least so far from the middle.
@@ -94,7 +97,7 @@ std::vector<geometry::Vec2> ConvexHull(std::vector<geometry::Vec2> points) {
     for (const geometry::Vec2& point : points) {
       while (hull.size() >= begin + 2 &&
              geometry::Cross(hull.back() - hull[hull.size() - 2],
-                             point - hull.back()) <= 1e-12) {
+                             point - hull.back()) <= kStraight_m2) {
         hull.pop_back();
       }
       hull.push_back(point);

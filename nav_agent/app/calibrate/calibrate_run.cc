@@ -126,11 +126,20 @@ absl::Status WriteInto(const std::string& path, CalibrateResult& result) {
   return base::WriteFileAtomically(path, edited);
 }
 
+// Laser logs do not say how high the laser is.
+double HeightOr_m(double height_m, double otherwise_m) {
+  return height_m > 0 ? height_m : otherwise_m;
+}
+
 std::string RobotYaml(const CalibrateOptions& options,
                       const CalibrateResult& result, const Drive& drive) {
+  const core::RobotModel usual;
+  const auto& front = drive.robot.base_from_laser.translation;
+  const auto& rear = drive.robot.base_from_rear_laser.translation;
   return calibration::EntriesYaml(
-      EntriesFor(result, false, drive.robot.base_from_laser.translation.z,
-                 drive.robot.base_from_rear_laser.translation.z),
+      EntriesFor(result, false,
+                 HeightOr_m(front.z, usual.base_from_laser.translation.z),
+                 HeightOr_m(rear.z, usual.base_from_rear_laser.translation.z)),
       absl::StrCat("treeline-agent calibrate ", options.log));
 }
 

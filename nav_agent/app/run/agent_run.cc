@@ -124,6 +124,8 @@ class AgentProgram {
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
   behavior::NavigatorDevices WatchedDevices();
+  // As set, but no less than lets a slow laser's scans count.
+  double LaserTimeout_s();
   absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
   // What is done before the first step: in the log, and among the events.
@@ -409,13 +411,21 @@ behavior::NavigatorDevices AgentProgram::WatchedDevices() {
           .server = server_.get()};
 }
 
+double AgentProgram::LaserTimeout_s() {
+  // A scan is as old as it took to measure when it comes, and the next one
+  // comes as much later.
+  constexpr double kScans = 2.5;
+  return std::max(config_.laser_timeout_s,
+                  kScans * robot_->Devices().laser.Info().scan_interval_s);
+}
+
 absl::Status AgentProgram::MakeSightNavigator() {
   mapless::MaplessOptions options;
   options.control_hz = kControlHz;
   options.max_forward_mps = config_.max_forward_mps;
   options.goal_tolerance_m = config_.goal_tolerance_m;
   options.goal_tolerance_rad = config_.goal_tolerance_rad;
-  options.laser_timeout_s = config_.laser_timeout_s;
+  options.laser_timeout_s = LaserTimeout_s();
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.manual_lease_s = ManualLease_s();
   if (!map_->levels.levels.empty()) {
@@ -439,7 +449,7 @@ absl::Status AgentProgram::MakeNavigator() {
   options.control.inflation_m = config_.inflation_m;
   options.control.goal_tolerance_m = config_.goal_tolerance_m;
   options.control.goal_tolerance_rad = config_.goal_tolerance_rad;
-  options.laser_timeout_s = config_.laser_timeout_s;
+  options.laser_timeout_s = LaserTimeout_s();
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.finds_itself_at_start = config_.find_yourself;
   options.seed = static_cast<uint64_t>(config_.seed);
