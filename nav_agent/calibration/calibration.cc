@@ -10,29 +10,23 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/calibration/noise_model.h"
 #include "nav_agent/calibration/parameters.h"
+#include "nav_agent/calibration/robust_fit.h"
 
 namespace treeline::calibration {
 namespace {
 
-using Vector = Eigen::Matrix<double, kQuantities, 1>;
-using Matrix = Eigen::Matrix<double, kQuantities, kQuantities>;
-using Rows = Eigen::Matrix<double, 3, kQuantities>;
-
-constexpr int kIterations = 40;
-constexpr double kMadToSigma = 1.4826;
-
-Vector ToVector(const Setup& setup) {
-  Vector v;
+std::vector<double> ToNumbers(const Setup& setup) {
+  std::vector<double> numbers;
   for (int i = 0; i < kQuantities; ++i) {
-    v[i] = ValueOf(setup, static_cast<Quantity>(i));
+    numbers.push_back(ValueOf(setup, static_cast<Quantity>(i)));
   }
-  return v;
+  return numbers;
 }
 
-Setup ToSetup(const Vector& v) {
+Setup ToSetup(std::span<const double> numbers) {
   Setup setup;
   for (int i = 0; i < kQuantities; ++i) {
-    SetValue(setup, static_cast<Quantity>(i), v[i]);
+    SetValue(setup, static_cast<Quantity>(i), numbers[static_cast<size_t>(i)]);
   }
   return setup;
 }
@@ -48,202 +42,12 @@ std::optional<geometry::Rigid2> Predicted(const WheelPath& path,
   return setup.base_from_laser.Inverse() * *base * setup.base_from_laser;
 }
 
-Eigen::Vector3d Difference(const geometry::Rigid2& a,
-                           const geometry::Rigid2& b) {
+// Along x, along y (m), in yaw (rad).
+using Difference3 = std::array<double, 3>;
+
+Difference3 Difference(const geometry::Rigid2& a, const geometry::Rigid2& b) {
   return {a.translation.x - b.translation.x, a.translation.y - b.translation.y,
           geometry::NormalizedAngle_rad(a.yaw_rad - b.yaw_rad)};
-}
-
-Eigen::Matrix3d Whitening(const mapping::Covariance3& c, double scale_m,
-                          double scale_rad) {
-  Eigen::Matrix3d m;
-  m << c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8];
-  const Eigen::Vector3d scale(scale_m, scale_m, scale_rad);
-  m = scale.asDiagonal() * m * scale.asDiagonal();
-  const Eigen::Matrix3d lower = Eigen::LLT<Eigen::Matrix3d>(m).matrixL();
-  return lower.triangularView<Eigen::Lower>().solve(
-      Eigen::Matrix3d::Identity());
-}
-
-Vector PriorSigmas(double track_m) {
-  Vector v;
-  v << kPriorScale, kPriorScale, kPriorScale * track_m, kPriorMount_m,
-      kPriorMount_m, kPriorYaw_rad, kPriorDelay_s;
-  return v;
-}
-
-Vector Steps() {
-  Vector v;
-  v << 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 4e-3;
-  return v;
-}
-
-// One stretch at a setup: whitened.
-struct Row {
-  bool is_there = false;
-  Eigen::Vector3d residual = Eigen::Vector3d::Zero();
-  Rows jacobian = Rows::Zero();
-  // From metres and radians.
-  Eigen::Matrix3d whitening = Eigen::Matrix3d::Zero();
-  double weight = 0;
-};
-
-struct Normal {
-  Matrix h = Matrix::Zero();
-  Vector g = Vector::Zero();
-  double cost = 0;
-};
-
-double CauchyCost(double squared) {
-  const double c2 = kCauchySigmas * kCauchySigmas;
-  return 0.5 * c2 * std::log1p(squared / c2);
-}
-double CauchyWeight(double squared) {
-  return 1 / (1 + squared / (kCauchySigmas * kCauchySigmas));
-}
-
-// Of a stretch that is not in the readings: no solution is better for that.
-const double kMissingCost = CauchyCost(100);
-
-class Fit {
- public:
-  Fit(const WheelPath& path, std::span<const LaserMotion> motions,
-      const Setup& prior, bool shows_delay)
-      : path_(path),
-        motions_(motions),
-        prior_(ToVector(prior)),
-        quantities_(shows_delay ? kQuantities : kQuantities - 1) {
-    const Vector sigmas = PriorSigmas(prior.wheels.track_m);
-    prior_precision_ = sigmas.cwiseInverse().cwiseAbs2();
-    SetScales(1, 1);
-  }
-
-  void SetScales(double scale_m, double scale_rad) {
-    whitening_.clear();
-    for (const LaserMotion& motion : motions_) {
-      whitening_.push_back(Whitening(motion.covariance, scale_m, scale_rad));
-    }
-  }
-
-  Vector Solve(Vector at) const {
-    double damping = 1e-4;
-    Normal normal = NormalAt(at, RowsAt(at));
-    for (int i = 0; i < kIterations; ++i) {
-      Matrix damped = normal.h;
-      damped.diagonal() *= 1 + damping;
-      const Vector step = damped.ldlt().solve(-normal.g);
-      const Vector next = at + step;
-      if (!IsSane(next)) {
-        damping *= 10;
-        continue;
-      }
-      if (CostAt(next) < normal.cost) {
-        at = next;
-        normal = NormalAt(at, RowsAt(at));
-        damping = std::max(damping / 10, 1e-12);
-      } else {
-        damping *= 10;
-      }
-      if (damping > 1e8 ||
-          (step.array() / Steps().array()).abs().maxCoeff() < 1e-3) {
-        break;
-      }
-    }
-    return at;
-  }
-
-  std::vector<Row> RowsAt(const Vector& at) const {
-    std::vector<Row> rows(motions_.size());
-    const Vector steps = Steps();
-    const Setup setup = ToSetup(at);
-    for (size_t i = 0; i < motions_.size(); ++i) {
-      const auto predicted = Predicted(path_, setup, motions_[i]);
-      if (!predicted) continue;
-      Row row;
-      row.is_there = true;
-      row.whitening = whitening_[i];
-      row.residual =
-          whitening_[i] * Difference(*predicted, motions_[i].begin_from_end);
-      for (int q = 0; q < quantities_; ++q) {
-        Vector up = at;
-        Vector down = at;
-        up[q] += steps[q];
-        down[q] -= steps[q];
-        const auto a = Predicted(path_, ToSetup(up), motions_[i]);
-        const auto b = Predicted(path_, ToSetup(down), motions_[i]);
-        row.is_there = row.is_there && a.has_value() && b.has_value();
-        if (!row.is_there) break;
-        row.jacobian.col(q) =
-            whitening_[i] * Difference(*a, *b) / (2 * steps[q]);
-      }
-      row.weight = CauchyWeight(row.residual.squaredNorm());
-      if (row.is_there) rows[i] = row;
-    }
-    return rows;
-  }
-
-  Normal NormalAt(const Vector& at, std::span<const Row> rows) const {
-    Normal normal;
-    normal.h.diagonal() = prior_precision_;
-    normal.g = prior_precision_.cwiseProduct(at - prior_);
-    normal.cost = PriorCost(at);
-    for (const Row& row : rows) {
-      if (!row.is_there) {
-        normal.cost += kMissingCost;
-        continue;
-      }
-      normal.h += row.weight * row.jacobian.transpose() * row.jacobian;
-      normal.g += row.weight * row.jacobian.transpose() * row.residual;
-      normal.cost += CauchyCost(row.residual.squaredNorm());
-    }
-    return normal;
-  }
-
- private:
-  bool IsSane(const Vector& at) const {
-    return at.allFinite() && at[0] > 0.1 && at[1] > 0.1 && at[2] > 0.02 &&
-           std::abs(at[6]) < 2;
-  }
-  double PriorCost(const Vector& at) const {
-    return 0.5 * prior_precision_.dot((at - prior_).cwiseAbs2());
-  }
-  double CostAt(const Vector& at) const {
-    double cost = PriorCost(at);
-    const Setup setup = ToSetup(at);
-    for (size_t i = 0; i < motions_.size(); ++i) {
-      const auto predicted = Predicted(path_, setup, motions_[i]);
-      if (!predicted) {
-        cost += kMissingCost;
-        continue;
-      }
-      cost += CauchyCost(
-          (whitening_[i] * Difference(*predicted, motions_[i].begin_from_end))
-              .squaredNorm());
-    }
-    return cost;
-  }
-
-  const WheelPath& path_;
-  std::span<const LaserMotion> motions_;
-  const Vector prior_;
-  // The delay is the last.
-  const int quantities_;
-  Vector prior_precision_;
-  std::vector<Eigen::Matrix3d> whitening_;
-};
-
-// Residuals' scale beside what matching says, without outliers.
-std::pair<double, double> ScalesOf(std::span<const Row> rows) {
-  std::vector<double> m;
-  std::vector<double> rad;
-  for (const Row& row : rows) {
-    if (!row.is_there) continue;
-    m.push_back(std::abs(row.residual[0]));
-    m.push_back(std::abs(row.residual[1]));
-    rad.push_back(std::abs(row.residual[2]));
-  }
-  return {std::max(0.05, kMadToSigma * base::Quantile(m, 0.5)),
-          std::max(0.05, kMadToSigma * base::Quantile(rad, 0.5))};
 }
 
 // Where the laser looks, at a first look: how the directions differ into which
@@ -264,81 +68,40 @@ double FirstYaw_rad(const WheelPath& path, std::span<const LaserMotion> motions,
                                  : std::atan2(sum.y, sum.x);
 }
 
-struct Solution {
-  Vector at;
-  Matrix covariance;
-  std::vector<Row> rows;
-};
-
-// What an error that all matches share does to the quantities.
-Matrix CovarianceOfBias(std::span<const Row> rows, const Matrix& inverse) {
-  Eigen::Matrix<double, kQuantities, 3> sum;
-  sum.setZero();
-  for (const Row& row : rows) {
-    if (row.is_there) {
-      sum += row.weight * row.jacobian.transpose() * row.whitening;
-    }
-  }
-  const Eigen::Vector3d bias(kMatchBias_m, kMatchBias_m, kMatchBias_rad);
-  const Eigen::Matrix<double, kQuantities, 3> shift =
-      inverse * sum * bias.asDiagonal();
-  return shift * shift.transpose();
-}
-
-// The larger of the two covariances, variance by variance, and what matching is
-// biased by.
-Matrix CovarianceOf(std::span<const Row> rows, const Normal& normal) {
-  const Matrix inverse = normal.h.ldlt().solve(Matrix::Identity());
-  double sum = 0;
-  double weights = 0;
-  std::array<Vector, kBlocks.value> blocks;
-  blocks.fill(Vector::Zero());
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const Row& row = rows[i];
-    if (!row.is_there) continue;
-    sum += row.weight * row.residual.squaredNorm();
-    weights += 3 * row.weight;
-    blocks[i * blocks.size() / rows.size()] +=
-        row.weight * row.jacobian.transpose() * row.residual;
-  }
-  const double scale =
-      std::max(1.0, sum / std::max(weights - kQuantities, 1.0));
-  Matrix covariance = scale * inverse;
-  Matrix middle = Matrix::Zero();
-  for (const Vector& block : blocks) middle += block * block.transpose();
-  const double blocks_count = kBlocks.value;
-  const Matrix sandwich =
-      inverse * middle * inverse * (blocks_count / (blocks_count - 1));
-  for (int i = 0; i < kQuantities; ++i) {
-    const double grow =
-        std::sqrt(std::max(1.0, sandwich(i, i) / covariance(i, i)));
-    covariance.row(i) *= grow;
-    covariance.col(i) *= grow;
-  }
-  covariance += CovarianceOfBias(rows, inverse);
-  covariance(kQuantities - 1, kQuantities - 1) += kDelayBias_s * kDelayBias_s;
-  return covariance;
-}
-
-Solution SolveAll(const WheelPath& path, std::span<const LaserMotion> motions,
-                  const Setup& assumed, bool shows_delay) {
+FitSolution SolveAll(const WheelPath& path,
+                     std::span<const LaserMotion> motions, const Setup& assumed,
+                     bool shows_delay) {
   Setup start = assumed;
   start.base_from_laser.yaw_rad = FirstYaw_rad(path, motions, assumed);
-  Fit fit(path, motions, start, shows_delay);
-  Solution solution;
-  solution.at = fit.Solve(ToVector(start));
-  double scale_m = 1;
-  double scale_rad = 1;
-  for (int i = 0; i < 2; ++i) {
-    const auto [m, rad] = ScalesOf(fit.RowsAt(solution.at));
-    scale_m *= m;
-    scale_rad *= rad;
-    fit.SetScales(scale_m, scale_rad);
-    solution.at = fit.Solve(solution.at);
+  FitProblem problem;
+  problem.rows = motions.size();
+  problem.difference = [&](size_t row, std::span<const double> at,
+                           std::span<double> difference) {
+    const auto predicted = Predicted(path, ToSetup(at), motions[row]);
+    if (!predicted) return false;
+    const Difference3 d = Difference(*predicted, motions[row].begin_from_end);
+    std::copy(d.begin(), d.end(), difference.begin());
+    return true;
+  };
+  for (const LaserMotion& motion : motions) {
+    problem.covariances.emplace_back(motion.covariance.begin(),
+                                     motion.covariance.end());
   }
-  solution.rows = fit.RowsAt(solution.at);
-  solution.covariance =
-      CovarianceOf(solution.rows, fit.NormalAt(solution.at, solution.rows));
+  problem.prior = ToNumbers(start);
+  problem.prior_sigma = {
+      kPriorScale,   kPriorScale,   kPriorScale * assumed.wheels.track_m,
+      kPriorMount_m, kPriorMount_m, kPriorYaw_rad,
+      kPriorDelay_s};
+  problem.step = {1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 4e-3};
+  // The delay is the last.
+  problem.free =
+      static_cast<size_t>(shows_delay ? kQuantities : kQuantities - 1);
+  problem.is_sane = [](std::span<const double> at) {
+    return at[0] > 0.1 && at[1] > 0.1 && at[2] > 0.02 && std::abs(at[6]) < 2;
+  };
+  problem.bias = {kMatchBias_m, kMatchBias_m, kMatchBias_rad};
+  FitSolution solution = SolveRobustly(problem);
+  solution.covariance.back() += kDelayBias_s * kDelayBias_s;
   return solution;
 }
 
@@ -360,10 +123,10 @@ double KnownSigma(Quantity quantity, double track_m) {
   return 0;
 }
 
-Residuals ResidualsOf(std::span<const Eigen::Vector3d> differences) {
+Residuals ResidualsOf(std::span<const Difference3> differences) {
   std::vector<double> m;
   std::vector<double> rad;
-  for (const Eigen::Vector3d& d : differences) {
+  for (const Difference3& d : differences) {
     m.push_back(std::hypot(d[0], d[1]));
     rad.push_back(std::abs(d[2]));
   }
@@ -372,16 +135,16 @@ Residuals ResidualsOf(std::span<const Eigen::Vector3d> differences) {
   return {in_m.median, in_rad.median, in_m.rmse, in_rad.rmse};
 }
 
-void Check(const WheelPath& path, const Solution& solution,
+void Check(const WheelPath& path, const FitSolution& solution,
            const LaserMotions& found, Calibration& calibration) {
-  std::vector<Eigen::Vector3d> before;
-  std::vector<Eigen::Vector3d> after;
+  std::vector<Difference3> before;
+  std::vector<Difference3> after;
   for (size_t i = 0; i < found.motions.size(); ++i) {
     const LaserMotion& motion = found.motions[i];
     const auto b = Predicted(path, calibration.assumed, motion);
     const auto a = Predicted(path, calibration.found, motion);
-    if (!a || !b || !solution.rows[i].is_there) continue;
-    const bool is_outlier = solution.rows[i].residual.norm() > kOutlierSigmas;
+    if (!a || !b || solution.norms[i] < 0) continue;
+    const bool is_outlier = solution.norms[i] > kOutlierSigmas;
     calibration.outliers += is_outlier ? 1 : 0;
     calibration.motions.push_back({motion, *b, *a, is_outlier});
     if (is_outlier) continue;
@@ -393,22 +156,21 @@ void Check(const WheelPath& path, const Solution& solution,
 }
 
 // Takes over what is known.
-void TakeKnown(const Solution& solution, Calibration& calibration) {
+void TakeKnown(const FitSolution& solution, Calibration& calibration) {
   calibration.found = calibration.assumed;
   for (int i = 0; i < kQuantities; ++i) {
     const auto q = static_cast<Quantity>(i);
     Estimate& estimate = calibration.estimates[static_cast<size_t>(i)];
-    estimate.sigma = std::sqrt(solution.covariance(i, i));
+    estimate.sigma = std::sqrt(
+        solution.covariance[static_cast<size_t>(i * kQuantities + i)]);
     estimate.is_known =
         estimate.sigma < KnownSigma(q, calibration.assumed.wheels.track_m);
-    estimate.value =
-        estimate.is_known ? solution.at[i] : ValueOf(calibration.assumed, q);
+    estimate.value = estimate.is_known ? solution.at[static_cast<size_t>(i)]
+                                       : ValueOf(calibration.assumed, q);
     SetValue(calibration.found, q, estimate.value);
-    for (int j = 0; j < kQuantities; ++j) {
-      calibration.covariance[static_cast<size_t>(i * kQuantities + j)] =
-          solution.covariance(i, j);
-    }
   }
+  std::copy(solution.covariance.begin(), solution.covariance.end(),
+            calibration.covariance.begin());
 }
 
 void HoldOut(const WheelPath& path, const LaserMotions& found, bool shows_delay,
@@ -418,7 +180,7 @@ void HoldOut(const WheelPath& path, const LaserMotions& found, bool shows_delay,
   for (size_t i = 0; i < count; ++i) {
     halves[(i * kBlocks.value / count) % 2].push_back(found.motions[i]);
   }
-  std::vector<Eigen::Vector3d> differences;
+  std::vector<Difference3> differences;
   for (size_t half = 0; half < 2; ++half) {
     Calibration of_other;
     of_other.assumed = calibration.assumed;
@@ -530,7 +292,7 @@ Calibration CalibrateFromMotions(const WheelPath& path, const Setup& assumed,
   calibration.stretches = motions.stretches;
   calibration.unmatched = motions.unmatched;
   calibration.disagreed = motions.disagreed;
-  const Solution solution =
+  const FitSolution solution =
       SolveAll(path, motions.motions, assumed, shows_delay);
   TakeKnown(solution, calibration);
   Check(path, solution, motions, calibration);
