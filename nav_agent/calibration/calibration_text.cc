@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -92,6 +93,25 @@ std::string Number(double value) { return absl::StrFormat("%.4f", value); }
 std::string Uncertainty(Quantity quantity, const Calibration& calibration) {
   return absl::StrCat("+- ",
                       SigmaText(quantity, calibration.Of(quantity).sigma));
+}
+
+std::string CameraText(CameraQuantity quantity, double value) {
+  switch (quantity) {
+    case CameraQuantity::kX:
+    case CameraQuantity::kY:
+    case CameraQuantity::kZ:
+      return absl::StrFormat("%.4f m", value);
+    case CameraQuantity::kDelay:
+      return absl::StrFormat("%.1f ms", 1000 * value);
+    default:
+      return absl::StrFormat("%.2f deg", kDegPerRad * value);
+  }
+}
+
+std::string CameraUncertainty(CameraQuantity quantity,
+                              const CameraCalibration& calibration) {
+  return absl::StrCat("+- ",
+                      CameraText(quantity, calibration.Of(quantity).sigma));
 }
 
 }  // namespace
@@ -212,6 +232,74 @@ std::vector<FileEntry> HardwareFileEntries(const Calibration& calibration) {
     if (!calibration.Of(quantity).is_known) continue;
     entries.push_back({"", key, Number(calibration.Of(quantity).value),
                        Uncertainty(quantity, calibration)});
+  }
+  return entries;
+}
+
+std::string CameraTable(const CameraCalibration& calibration) {
+  std::string text;
+  std::set<std::string> drives;
+  for (int i = 0; i < kCameraQuantities; ++i) {
+    const auto quantity = static_cast<CameraQuantity>(i);
+    const Estimate& estimate = calibration.Of(quantity);
+    const std::string assumed =
+        CameraText(quantity, calibration.assumed[static_cast<size_t>(i)]);
+    const std::string sigma = CameraText(quantity, estimate.sigma);
+    absl::StrAppendFormat(
+        &text, "%-12s %12s %12s  %s\n", NameOf(quantity), assumed,
+        estimate.is_known ? CameraText(quantity, estimate.value) : "-",
+        estimate.is_known
+            ? sigma
+            : absl::StrCat("not observable in this drive (would be ", sigma,
+                           ")"));
+    if (!estimate.is_known) drives.insert(DriveFor(quantity));
+  }
+  for (const std::string& drive : drives) {
+    absl::StrAppend(&text, "  to observe what is missing: ", drive, "\n");
+  }
+  absl::StrAppendFormat(&text,
+                        "%d stretches with pictures, %d of them outliers\n",
+                        calibration.stretches, calibration.outliers);
+  AddResiduals("before", calibration.before, text);
+  AddResiduals("after", calibration.after, text);
+  return text;
+}
+
+std::vector<FileEntry> CameraFileEntries(const CameraCalibration& calibration) {
+  std::vector<FileEntry> entries;
+  const Estimate& x = calibration.Of(CameraQuantity::kX);
+  const Estimate& y = calibration.Of(CameraQuantity::kY);
+  const Estimate& z = calibration.Of(CameraQuantity::kZ);
+  if (x.is_known || y.is_known || z.is_known) {
+    entries.push_back({"camera", "at",
+                       absl::StrCat("[", Number(x.value), ", ", Number(y.value),
+                                    ", ", Number(z.value), "]"),
+                       CameraUncertainty(CameraQuantity::kX, calibration)});
+  }
+  for (const auto& [quantity, key] :
+       {std::pair{CameraQuantity::kYaw, "yaw_rad"},
+        {CameraQuantity::kDown, "down_rad"}}) {
+    const Estimate& estimate = calibration.Of(quantity);
+    if (!estimate.is_known) continue;
+    entries.push_back({"camera", key, Number(estimate.value),
+                       CameraUncertainty(quantity, calibration)});
+  }
+  return entries;
+}
+
+std::vector<FileEntry> CameraHardwareEntries(
+    const CameraCalibration& calibration) {
+  std::vector<FileEntry> entries;
+  const std::pair<CameraQuantity, const char*> keys[] = {
+      {CameraQuantity::kX, "camera_x_m"},
+      {CameraQuantity::kY, "camera_y_m"},
+      {CameraQuantity::kZ, "camera_z_m"},
+      {CameraQuantity::kDown, "camera_down_rad"}};
+  for (const auto& [quantity, key] : keys) {
+    const Estimate& estimate = calibration.Of(quantity);
+    if (!estimate.is_known) continue;
+    entries.push_back({"", key, Number(estimate.value),
+                       CameraUncertainty(quantity, calibration)});
   }
   return entries;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nav_agent/calibration/calibration.h"
+#include "nav_agent/calibration/camera_calibration.h"
 
 namespace treeline::calibration {
 
@@ -33,6 +34,13 @@ std::vector<FileEntry> RobotFileEntries(const Calibration& calibration,
                                         double laser_z_m);
 // As the file of --hardware has them: flat.
 std::vector<FileEntry> HardwareFileEntries(const Calibration& calibration);
+
+// The same of a camera.
+std::string CameraTable(const CameraCalibration& calibration);
+std::vector<FileEntry> CameraFileEntries(const CameraCalibration& calibration);
+// Flat; a file of --hardware has no yaw of a camera.
+std::vector<FileEntry> CameraHardwareEntries(
+    const CameraCalibration& calibration);
 
 // The entries as YAML with comments, below the comment `title`.
 std::string EntriesYaml(const std::vector<FileEntry>& entries,

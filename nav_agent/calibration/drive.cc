@@ -144,6 +144,7 @@ absl::StatusOr<Drive> DriveBuilder::Build() {
       kUsualGaps * std::max(reading_s, MedianInterval_s(drive_.scans)),
       kLongestGap_s.value, kLongestWait_s.value);
   drive_.shows_delay = reading_s <= kDelayInterval_s;
+  if (jumps_ == 0) drive_.begin = first_;
   Note(other_scans_, "scans with another number of beams were left out",
        drive_.notes);
   Note(bad_readings_, "wheel readings that are not finite were left out",

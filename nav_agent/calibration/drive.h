@@ -43,6 +43,14 @@ struct Drive {
   bool shows_delay = true;
   // What was left out and what is odd, a sentence each.
   std::vector<std::string> notes;
+  // When the drive began; nullopt: the clock jumped, so that stamps say
+  // nothing.
+  std::optional<base::MonotonicTime> begin;
+
+  std::optional<double> TimeOf_s(base::MonotonicTime stamp) const {
+    if (!begin) return std::nullopt;
+    return base::SecondsBetween(*begin, stamp);
+  }
 };
 
 // Puts a drive together from the entries of a log, in the log's order. Scans

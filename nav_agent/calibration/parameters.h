@@ -75,6 +75,12 @@ inline constexpr base::Parameter<double> kMatchBias_m{
 inline constexpr base::Parameter<double> kMatchBias_rad{
     "match_bias_turn", 0.0005, "rad", base::ParameterOrigin::kMeasured,
     "the same for turns"};
+inline constexpr base::Parameter<double> kCameraBias_m{
+    "camera_bias", 0.003, "m", base::ParameterOrigin::kMeasured,
+    "what all motions by pictures may err alike: depth that is 0.6 % off"};
+inline constexpr base::Parameter<double> kDepthShare{
+    "depth_share", 0.006, "", base::ParameterOrigin::kMeasured,
+    "what depth cameras are off, as a share of the distance"};
 inline constexpr base::Parameter<double> kDelayBias_s{
     "delay_bias", 0.0005, "s", base::ParameterOrigin::kMeasured,
     "from taking that wheels turn evenly between two readings"};

@@ -24,6 +24,7 @@ Examples:
   treeline-agent calibrate drive.tlog --picture drive.png
   treeline-agent calibrate drive.tlog --robot robot.yaml --write robot.yaml
   treeline-agent calibrate walk.mcap --rear-scan-topic /rear/scan
+  treeline-agent calibrate drive.tlog --camera
   treeline-agent calibrate today.tlog --check robot.yaml
   treeline-agent calibrate drive.tlog --corrected better.tlog
 
@@ -66,6 +67,9 @@ absl::Status RunCommand(CalibrateFlags flags, const std::stop_token& stop) {
     std::printf("\nthe laser of %s:\n%s", flags.options.rear_scan_topic.c_str(),
                 calibration::CalibrationTable(*result.rear).c_str());
   }
+  if (result.camera) {
+    std::printf("\n%s", calibration::CameraTable(*result.camera).c_str());
+  }
   std::printf("\n%s", result.yaml.c_str());
   if (!flags.options.write.empty()) {
     std::printf("%s was changed\n", flags.options.write.c_str());
@@ -81,6 +85,9 @@ void AddOutputs(CLI::App& command, CalibrateFlags& flags) {
                   "What is assumed: a robot's file or name, or a file of "
                   "--hardware (default: what the log says of its robot)")
       ->type_name("ROBOT");
+  command.add_flag("--camera", options.with_camera,
+                   "Calibrate the RGB-D camera, too; follows its pictures, "
+                   "some minutes");
   CLI::Option* write =
       command
           .add_option("--write", options.write,

@@ -14,6 +14,7 @@
 #include "common/image/decode.h"
 #include "common/yaml/yaml_node.h"
 #include "nav_agent/app/calibrate/calibration_picture.h"
+#include "nav_agent/app/calibrate/camera_views.h"
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "nav_agent/calibration/calibration_text.h"
 #include "nav_agent/calibration/robot_file_edit.h"
@@ -79,6 +80,25 @@ void AddRear(std::vector<FileEntry> rear, std::vector<FileEntry>& entries) {
   }
 }
 
+// Wheels and laser say how the base moved; pictures how the camera did.
+absl::StatusOr<calibration::CameraCalibration> CalibrateCameraOf(
+    const CalibrateOptions& options, const Drive& drive, const Setup& found,
+    const geometry::Rigid3& assumed, const std::stop_token& stop) {
+  ros_log::BagLogOptions bag = options.bag;
+  bag.with_frames = true;
+  TL_ASSIGN_OR_RETURN(const CameraViews seen,
+                      ViewsOfLog(options.log, bag, drive, stop));
+  TL_ASSIGN_OR_RETURN(
+      const calibration::CameraCalibration looks,
+      calibration::CalibrateCamera(drive, found, seen.views, {}, assumed));
+  // The floor is looked for where it is with the camera's own rotation.
+  TL_ASSIGN_OR_RETURN(
+      const std::vector<double> heights_m,
+      HeightsOfLog(options.log, bag, looks.BaseFromCamera().rotation));
+  return calibration::CalibrateCamera(drive, found, seen.views, heights_m,
+                                      assumed);
+}
+
 std::vector<FileEntry> EntriesFor(const CalibrateResult& result,
                                   bool is_hardware, double laser_z_m,
                                   double rear_z_m) {
@@ -90,6 +110,12 @@ std::vector<FileEntry> EntriesFor(const CalibrateResult& result,
     AddRear(is_hardware ? calibration::HardwareFileEntries(*result.rear)
                         : calibration::RobotFileEntries(*result.rear, rear_z_m),
             entries);
+  }
+  if (result.camera) {
+    const auto camera = is_hardware
+                            ? calibration::CameraHardwareEntries(*result.camera)
+                            : calibration::CameraFileEntries(*result.camera);
+    entries.insert(entries.end(), camera.begin(), camera.end());
   }
   return entries;
 }
@@ -129,6 +155,29 @@ absl::Status WriteInto(const std::string& path, CalibrateResult& result) {
 // Laser logs do not say how high the laser is.
 double HeightOr_m(double height_m, double otherwise_m) {
   return height_m > 0 ? height_m : otherwise_m;
+}
+
+// A robot's file or name, or a file of --hardware.
+absl::StatusOr<core::RobotDescription> ReadEitherFile(
+    const std::string& robot) {
+  if (absl::EndsWith(robot, ".yaml") || absl::StrContains(robot, "/")) {
+    TL_ASSIGN_OR_RETURN(const yaml::YamlNode file, yaml::YamlNode::Read(robot));
+    if (IsHardwareFile(file)) {
+      TL_ASSIGN_OR_RETURN(const hardware::HardwareConfig config,
+                          hardware::ReadHardwareConfig(robot));
+      return core::RobotDescription{.name = robot,
+                                    .model = config.robot,
+                                    .lasers = {},
+                                    .correction = config.correction};
+    }
+  }
+  return core::ReadRobot(robot);
+}
+
+absl::StatusOr<geometry::Rigid3> ReadCameraMount(const std::string& robot) {
+  TL_ASSIGN_OR_RETURN(const core::RobotDescription description,
+                      ReadEitherFile(robot));
+  return description.model.base_from_camera;
 }
 
 std::string RobotYaml(const CalibrateOptions& options,
@@ -224,16 +273,8 @@ class Corrector {
 }  // namespace
 
 absl::StatusOr<Setup> ReadSetup(const std::string& robot) {
-  if (absl::EndsWith(robot, ".yaml") || absl::StrContains(robot, "/")) {
-    TL_ASSIGN_OR_RETURN(const yaml::YamlNode file, yaml::YamlNode::Read(robot));
-    if (IsHardwareFile(file)) {
-      TL_ASSIGN_OR_RETURN(const hardware::HardwareConfig config,
-                          hardware::ReadHardwareConfig(robot));
-      return SetupOf(config.robot, config.correction);
-    }
-  }
   TL_ASSIGN_OR_RETURN(const core::RobotDescription description,
-                      core::ReadRobot(robot));
+                      ReadEitherFile(robot));
   return SetupOf(description.model, description.correction);
 }
 
@@ -270,6 +311,16 @@ absl::StatusOr<CalibrateResult> RunCalibration(const CalibrateOptions& options,
       return base::Annotate(found.status(), options.rear_scan_topic);
     }
     result.rear = *std::move(found);
+  }
+  if (options.with_camera) {
+    geometry::Rigid3 camera = drive.robot.base_from_camera;
+    if (!options.robot.empty()) {
+      TL_ASSIGN_OR_RETURN(camera, ReadCameraMount(options.robot));
+    }
+    TL_ASSIGN_OR_RETURN(
+        result.camera,
+        CalibrateCameraOf(options, drive, result.calibration.found, camera,
+                          stop));
   }
   result.yaml = RobotYaml(options, result, drive);
   TL_RETURN_IF_ERROR(WriteAll(options, drive, result));

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/calibration/calibration.h"
+#include "nav_agent/calibration/camera_calibration.h"
 #include "nav_agent/ros_log/bag_to_log.h"
 
 namespace treeline::calibrate_app {
@@ -22,6 +23,8 @@ struct CalibrateOptions {
   // A robot's file or a file of --hardware that says what is assumed; empty:
   // what the log says of its robot, or else the default robot.
   std::string robot{};
+  // Whether the camera is calibrated, too: its pictures are followed.
+  bool with_camera = false;
   // Written if not empty. `write` must be there, and is changed.
   std::string write{};
   std::string yaml{};
@@ -34,6 +37,7 @@ struct CalibrateResult {
   calibration::Calibration calibration;
   // Of the laser that looks back: its place alone.
   std::optional<calibration::Calibration> rear;
+  std::optional<calibration::CameraCalibration> camera;
   // What robot file says (of `write` the kind of that file).
   std::string yaml;
   std::vector<std::string> notes;
