@@ -1,10 +1,13 @@
 #include "nav_agent/calibration/noise_model.h"
 
 #include <cmath>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "common/base/random.h"
 #include "gtest/gtest.h"
+#include "nav_agent/calibration/parameters.h"
 
 namespace treeline::calibration {
 namespace {
@@ -34,6 +37,15 @@ TEST(NoiseModel, FindsTheSharesThatErrorsWereDrawnFrom) {
   EXPECT_NEAR(noise->drive_from_drive, 0.05, 0.25 * 0.05);
   EXPECT_NEAR(noise->drive_from_turn, 0.02, 0.25 * 0.02);
   EXPECT_TRUE(noise->Validate().ok());
+}
+
+TEST(CalibrationParameters, HaveANameOfTheirOwnAndSayWhy) {
+  std::set<std::string> seen;
+  for (const base::ParameterRow& row : CalibrationParameters()) {
+    EXPECT_TRUE(seen.insert(std::string(row.name)).second) << row.name;
+    EXPECT_FALSE(row.why.empty()) << row.name;
+  }
+  EXPECT_GT(seen.size(), 40u);
 }
 
 TEST(NoiseModel, NeedsTurnsAndStraightMotions) {

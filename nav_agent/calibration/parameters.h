@@ -2,6 +2,8 @@
 #ifndef NAV_AGENT_CALIBRATION_PARAMETERS_H_
 #define NAV_AGENT_CALIBRATION_PARAMETERS_H_
 
+#include <vector>
+
 #include "common/base/parameter.h"
 
 namespace treeline::calibration {
@@ -156,6 +158,9 @@ inline constexpr base::Parameter<int> kBlocks{
 inline constexpr base::Parameter<double> kNoiseFloor{
     "noise_floor", 0.005, "", base::ParameterOrigin::kTuned,
     "no odometry is believed to be better, a metre or a radian"};
+
+// All of the above, for --print-config and docs/reference.
+std::vector<base::ParameterRow> CalibrationParameters();
 
 }  // namespace treeline::calibration
 

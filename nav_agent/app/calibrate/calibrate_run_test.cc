@@ -112,6 +112,12 @@ TEST_F(CalibrateRun, WritesHardwareFiles) {
               found->calibration.Of(Quantity::kLaserDelay).value, 6e-5);
 }
 
+TEST_F(CalibrateRun, SaysThatThereAreNoPictures) {
+  const auto found = RunCalibration({.log = log_, .with_camera = true}, {});
+  EXPECT_EQ(found.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(found.status().message(), HasSubstr("no pictures with depth"));
+}
+
 TEST_F(CalibrateRun, LeavesFilesThatItCannotReadAlone) {
   EXPECT_FALSE(RunCalibration({.log = folder_.Path("none.tlog")}, {}).ok());
   EXPECT_FALSE(RunCalibration({.log = log_, .robot = "nobody"}, {}).ok());
