@@ -23,7 +23,7 @@ struct TestDriveOptions {
   // Where the robot goes, again and again, for how long.
   std::vector<geometry::Vec2> way = {{-4, -3}, {4, -3}, {3, 1}, {-3, 2},
                                      {-4, -3}, {-3, 2}, {3, 1}, {4, -3}};
-  double seconds = 90;
+  double seconds = 75;
   // Of each wheel, a metre (1 sigma): it grows with the root of the way.
   double wheel_noise = 0.004;
   double range_noise_m = 0.01;

@@ -29,7 +29,7 @@ class CalibrateRun : public ::testing::Test {
         .laser_delay_s = 0.03};
     options_.assumed = {.wheels = {.track_m = 0.54},
                         .base_from_laser = {{0.22, 0}, 0}};
-    options_.seconds = 60;
+    options_.seconds = 50;
     log_ = folder_.Path("drive.tlog");
     const base::SteadyClock clock;
     const auto writer = recording::AgentLogWriter::Open(log_, false, clock);
