@@ -305,10 +305,10 @@ Calibration CalibrateFromMotions(const WheelPath& path, const Setup& assumed,
 }
 
 absl::StatusOr<Calibration> Calibrate(const Drive& drive, const Setup& assumed,
-                                      std::stop_token stop) {
+                                      const std::stop_token& stop) {
   const WheelPath path(drive.readings, drive.longest_gap_s);
   TL_ASSIGN_OR_RETURN(const LaserMotions motions,
-                      MeasureLaserMotions(drive, path, std::move(stop)));
+                      MeasureLaserMotions(drive, path, stop));
   return CalibrateFromMotions(path, assumed, motions, drive.shows_delay);
 }
 

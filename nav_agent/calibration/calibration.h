@@ -99,7 +99,7 @@ struct Calibration {
 //
 // The errors of MeasureLaserMotions.
 absl::StatusOr<Calibration> Calibrate(const Drive& drive, const Setup& assumed,
-                                      std::stop_token stop = {});
+                                      const std::stop_token& stop = {});
 // The same with the laser's motions at hand, at least kMinMotions of them.
 // shows_delay: as Drive has it; else the delay is as assumed.
 Calibration CalibrateFromMotions(const WheelPath& path, const Setup& assumed,

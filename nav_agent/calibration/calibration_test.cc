@@ -55,7 +55,7 @@ void ExpectFound(const Calibration& calibration, const Setup& truth,
 
 // Over 40 more seeds: docs/research/calibration.md.
 TEST(Calibration, FindsPlantedErrorsWithinWhatItStates) {
-  for (const uint64_t seed : {1, 2}) {
+  for (const uint64_t seed : {1u, 2u}) {
     const TestDriveOptions options = Planted(seed);
     const Calibration calibration = CalibrateTest(options);
     ExpectFound(calibration, options.truth, absl::StrCat("seed ", seed, ": "));

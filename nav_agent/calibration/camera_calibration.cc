@@ -67,27 +67,32 @@ Numbers NumbersOf(const geometry::Rigid3& base_from_camera) {
   return v;
 }
 
+bool IsStill(const geometry::Rigid2& motion) {
+  return geometry::Norm(motion.translation) < kStillWay_m &&
+         std::abs(motion.yaw_rad) < kStillTurn_rad;
+}
+
 std::vector<CameraMotion> MotionsOf(std::span<const CameraView> views,
                                     const WheelPath& path, const Drive& drive,
                                     const Wheels& wheels) {
   std::vector<CameraMotion> motions;
   size_t begin = 0;
   for (size_t i = 1; i < views.size(); ++i) {
-    const auto motion =
-        path.Motion(views[begin].time_s, views[i].time_s, wheels);
-    if (views[i].time_s - views[i - 1].time_s > drive.longest_gap_s ||
-        !motion || views[i].time_s - views[begin].time_s > kLongestWindow_s) {
+    const CameraView& from = views[begin];
+    const CameraView& to = views[i];
+    const auto motion = path.Motion(from.time_s, to.time_s, wheels);
+    if (to.time_s - views[i - 1].time_s > drive.longest_gap_s || !motion ||
+        to.time_s - from.time_s > kLongestWindow_s || IsStill(*motion)) {
       begin = i;
-    } else if (geometry::Norm(motion->translation) >= kWindowWay_m ||
-               std::abs(motion->yaw_rad) >= kWindowTurn_rad) {
-      motions.push_back(
-          {views[begin].time_s, views[i].time_s,
-           views[begin].map_from_camera.Inverse() * views[i].map_from_camera});
-      begin = i;
-    } else if (geometry::Norm(motion->translation) < kStillWay_m &&
-               std::abs(motion->yaw_rad) < kStillTurn_rad) {
-      begin = i;
+      continue;
     }
+    if (geometry::Norm(motion->translation) < kWindowWay_m &&
+        std::abs(motion->yaw_rad) < kWindowTurn_rad) {
+      continue;
+    }
+    motions.push_back({from.time_s, to.time_s,
+                       from.map_from_camera.Inverse() * to.map_from_camera});
+    begin = i;
   }
   return motions;
 }

@@ -67,7 +67,7 @@ Recorded Record(bool turns, uint64_t seed) {
 const Setup kSetup = {.wheels = {.track_m = 0.54}, .base_from_laser = {}};
 
 TEST(CameraCalibration, FindsTheCameraWithinWhatItStates) {
-  for (const uint64_t seed : {1, 2}) {
+  for (const uint64_t seed : {1u, 2u}) {
     const Recorded recorded = Record(true, seed);
     std::vector<double> heights_m;
     for (int i = 0; i < 30; ++i) heights_m.push_back(1.0 + 0.001 * (i % 5 - 2));

@@ -158,7 +158,7 @@ absl::Status TooFew(const LaserMotions& found) {
 
 absl::StatusOr<LaserMotions> MeasureLaserMotions(const Drive& drive,
                                                  const WheelPath& path,
-                                                 std::stop_token stop) {
+                                                 const std::stop_token& stop) {
   const Wheels wheels = {.track_m = drive.robot.wheel_track_m};
   const std::vector<Stretch> stretches = FindStretches(drive, path, wheels);
   const Matcher matcher(drive, path, wheels);

@@ -42,9 +42,9 @@ struct LaserMotions {
 //
 // FAILED_PRECONDITION with what to do: too few stretches, or too few match.
 // CANCELLED.
-absl::StatusOr<LaserMotions> MeasureLaserMotions(const Drive& drive,
-                                                 const WheelPath& path,
-                                                 std::stop_token stop = {});
+absl::StatusOr<LaserMotions> MeasureLaserMotions(
+    const Drive& drive, const WheelPath& path,
+    const std::stop_token& stop = {});
 
 }  // namespace treeline::calibration
 
