@@ -93,7 +93,6 @@ const char* DriveFor(Quantity quantity) {
     case Quantity::kRightScale:
       return "drive straight ahead for 20 m, and a circle or two each way";
     case Quantity::kTrack:
-      return "turn on the spot, a few whole turns each way";
     case Quantity::kLaserX:
     case Quantity::kLaserY:
       return "turn on the spot, a few whole turns each way";
