@@ -3,12 +3,14 @@
 
 #include "CLI/CLI.hpp"
 #include "nav_agent/app/bridge/bridge_command.h"
+#include "nav_agent/app/calibrate/calibrate_command.h"
 #include "nav_agent/app/doctor/doctor_command.h"
 #include "nav_agent/app/localize/localize_command.h"
 #include "nav_agent/app/log/log_command.h"
 #include "nav_agent/app/map/map_command.h"
 #include "nav_agent/app/navigate/navigate_command.h"
 #include "nav_agent/app/plan/plan_command.h"
+#include "nav_agent/app/robot/robot_command.h"
 #include "nav_agent/app/route/route_command.h"
 #include "nav_agent/app/run/run_command.h"
 #include "nav_agent/app/score/score_command.h"
@@ -37,6 +39,8 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           traversability_app::AddTraversabilityCommand(app),
           score_app::AddScoreTrajectoryCommand(app),
           log_app::AddLogCommand(app),
+          calibrate_app::AddCalibrateCommand(app),
+          robot_app::AddRobotCommand(app),
           suite_app::AddSuiteCommand(app),
           bridge_app::AddBridgeCommand(app)};
 }

@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/check_range.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
@@ -18,6 +19,10 @@ namespace {
 
 constexpr size_t kMaxFileBytes = 65536;
 constexpr size_t kMaxCorners = 64;
+// Of SensorCorrection.
+constexpr double kMinScale = 0.5;
+constexpr double kMaxScale = 2;
+constexpr double kMaxDelay_s = 0.5;
 
 RangeSensorInfo LaserOf(int beams, double field_of_view_rad, double min_m,
                         double max_m, double rate_hz) {
@@ -72,9 +77,41 @@ RobotDescription Jackal() {
   return jackal;
 }
 
+// Of turtlebot3_description (burger) and its data sheet; accelerations as its
+// firmware ramps. The LDS-01 sees all around, five times a second.
+RobotDescription TurtleBot3() {
+  RobotDescription robot = {
+      .name = "turtlebot3",
+      .model = {},
+      .lasers = {.front = LaserOf(360, 2 * std::numbers::pi * 359 / 360, 0.12,
+                                  3.5, 5)}};
+  RobotModel& model = robot.model;
+  model.front_m = 0.038;
+  model.rear_m = 0.102;
+  model.half_width_m = 0.09;
+  model.height_m = 0.192;
+  model.ground_clearance_m = 0.01;
+  model.wheel_track_m = 0.160;
+  model.wheel_radius_m = 0.033;
+  model.caster_m = 0.035;
+  model.max_step_m = 0.005;
+  model.max_slope_rad = 0.15;
+  model.max_forward_mps = 0.22;
+  model.max_backward_mps = 0.22;
+  model.max_yaw_rate_radps = 2.84;
+  model.max_acceleration_mps2 = 1.0;
+  model.max_deceleration_mps2 = 1.0;
+  model.max_yaw_acceleration_radps2 = 6.0;
+  model.base_from_laser.translation = {-0.032, 0, 0.182};
+  model.base_from_rear_laser.translation = {-0.032, 0, 0.182};
+  model.base_from_camera = RobotModel::UprightCamera({0.03, 0, 0.10}, 0);
+  return robot;
+}
+
 const RobotDescription* FindRobot(absl::string_view name) {
   // Immutable; made by the first who asks.
-  static const auto* const robots = new std::vector{Rmp100(), Jackal()};
+  static const auto* const robots =
+      new std::vector{Rmp100(), Jackal(), TurtleBot3()};
   for (const RobotDescription& robot : *robots) {
     if (robot.name == name) return &robot;
   }
@@ -189,10 +226,65 @@ absl::Status ReadLasers(const yaml::YamlNode& file, RobotDescription& robot) {
   return ReadLaser(node, robot.model.base_from_rear_laser, *robot.lasers.rear);
 }
 
+// A camera that looks ahead, turned by its yaw, and then down.
+absl::Status ReadCamera(const yaml::YamlNode& file, RobotModel& model) {
+  if (!file.Has("camera")) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, file.Get("camera"));
+  TL_RETURN_IF_ERROR(node.CheckKeys({"at", "yaw_rad", "down_rad"}));
+  geometry::Vec3 place_m = model.base_from_camera.translation;
+  if (node.Has("at")) {
+    TL_ASSIGN_OR_RETURN(const std::vector<double> at,
+                        node.Numbers("at", 3, -5, 5));
+    place_m = {at[0], at[1], at[2]};
+  }
+  const geometry::Vec3 ahead =
+      model.base_from_camera.rotation * geometry::Vec3{0, 0, 1};
+  TL_ASSIGN_OR_RETURN(
+      const double yaw_rad,
+      node.NumberOr("yaw_rad", std::atan2(ahead.y, ahead.x), -7, 7));
+  TL_ASSIGN_OR_RETURN(
+      const double down_rad,
+      node.NumberOr("down_rad", -std::asin(std::clamp(ahead.z, -1.0, 1.0)),
+                    -1.5, 1.5));
+  model.base_from_camera = {
+      geometry::Rotation3::FromAxisAngle({0, 0, yaw_rad}) *
+          RobotModel::UprightCamera({}, down_rad).rotation,
+      place_m};
+  return absl::OkStatus();
+}
+
+absl::Status ReadCorrection(const yaml::YamlNode& file,
+                            SensorCorrection& correction) {
+  if (!file.Has("odometry")) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, file.Get("odometry"));
+  TL_RETURN_IF_ERROR(
+      node.CheckKeys({"left_scale", "right_scale", "laser_delay_s"}));
+  TL_ASSIGN_OR_RETURN(
+      correction.left_scale,
+      node.NumberOr("left_scale", correction.left_scale, kMinScale, kMaxScale));
+  TL_ASSIGN_OR_RETURN(correction.right_scale,
+                      node.NumberOr("right_scale", correction.right_scale,
+                                    kMinScale, kMaxScale));
+  TL_ASSIGN_OR_RETURN(correction.laser_delay_s,
+                      node.NumberOr("laser_delay_s", correction.laser_delay_s,
+                                    -kMaxDelay_s, kMaxDelay_s));
+  return absl::OkStatus();
+}
+
 }  // namespace
+
+absl::Status SensorCorrection::Validate() const {
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("left_scale", left_scale, kMinScale, kMaxScale));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("right_scale", right_scale, kMinScale, kMaxScale));
+  return base::CheckRange("laser_delay_s", laser_delay_s, -kMaxDelay_s,
+                          kMaxDelay_s);
+}
 
 absl::Status RobotDescription::Validate() const {
   TL_RETURN_IF_ERROR(model.Validate());
+  TL_RETURN_IF_ERROR(correction.Validate());
   for (const geometry::Vec3& at : {model.base_from_laser.translation,
                                    model.base_from_rear_laser.translation}) {
     if (at.z <= 0 || at.z > model.height_m) {
@@ -204,7 +296,9 @@ absl::Status RobotDescription::Validate() const {
   return absl::OkStatus();
 }
 
-std::vector<std::string> RobotNames() { return {"rmp100", "jackal"}; }
+std::vector<std::string> RobotNames() {
+  return {"rmp100", "jackal", "turtlebot3"};
+}
 
 absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
                                             absl::string_view name) {
@@ -229,7 +323,9 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
                                      "max_deceleration_mps2",
                                      "max_yaw_acceleration_radps2",
                                      "laser",
-                                     "rear_laser"}));
+                                     "rear_laser",
+                                     "camera",
+                                     "odometry"}));
   TL_ASSIGN_OR_RETURN(const std::string like, file.TextOr("like", "rmp100"));
   const RobotDescription* known = FindRobot(like);
   if (known == nullptr) return file.Error(UnknownRobot(like).message());
@@ -238,6 +334,8 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
   TL_RETURN_IF_ERROR(ReadFootprint(file, robot.model));
   TL_RETURN_IF_ERROR(ReadMeasures(file, robot.model));
   TL_RETURN_IF_ERROR(ReadLasers(file, robot));
+  TL_RETURN_IF_ERROR(ReadCamera(file, robot.model));
+  TL_RETURN_IF_ERROR(ReadCorrection(file, robot.correction));
   const absl::Status valid = robot.Validate();
   if (!valid.ok()) return file.Error(valid.message());
   return robot;

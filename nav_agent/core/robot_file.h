@@ -13,17 +13,34 @@
 
 namespace treeline::core {
 
+// What a real robot's measurements are corrected by before they are used, as
+// `treeline-agent calibrate` finds it. Recordings hold them uncorrected.
+struct SensorCorrection {
+  // What the wheels count is multiplied by (0.5 to 2).
+  double left_scale = 1;
+  double right_scale = 1;
+  // Scans of the laser are stamped this much later than wheel readings of the
+  // same moment (s, -0.5 to 0.5).
+  double laser_delay_s = 0;
+
+  constexpr bool operator==(const SensorCorrection&) const = default;
+  // INVALID_ARGUMENT for what is not within these bounds.
+  absl::Status Validate() const;
+};
+
 struct RobotDescription {
   std::string name;
   RobotModel model;
   RobotLasers lasers;
+  SensorCorrection correction{};
 
   absl::Status Validate() const;
 };
 
 // The robots that programs know: "rmp100", the thesis's Segway with a UTM-30LX
 // ahead and a UST-10LX behind; "jackal", Clearpath's as the BARN challenge
-// drives it, 0.508 x 0.430 m, with one laser of 270 degrees.
+// drives it, 0.508 x 0.430 m, with one laser of 270 degrees; "turtlebot3", the
+// burger with its LDS-01.
 std::vector<std::string> RobotNames();
 
 // A YAML text (docs/reference/robots.md): `like` one of these, and what is

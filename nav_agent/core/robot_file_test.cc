@@ -1,5 +1,7 @@
 #include "nav_agent/core/robot_file.h"
 
+#include <cmath>
+
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -48,9 +50,32 @@ rear_laser: {yaw_rad: 3.1416}
   EXPECT_DOUBLE_EQ(robot->model.wheel_radius_m, 0.098);
 }
 
+TEST(RobotFile, SaysWhatMeasurementsAreCorrectedByAndWhereTheCameraIs) {
+  const auto robot = ParseRobot(
+      "odometry: {left_scale: 0.99, right_scale: 1.01, laser_delay_s: 0.04}\n"
+      "camera: {at: [0.1, 0.02, 1], yaw_rad: 1.5, down_rad: 0.3}\n",
+      "mine.yaml");
+  ASSERT_TRUE(robot.ok()) << robot.status();
+  EXPECT_DOUBLE_EQ(robot->correction.left_scale, 0.99);
+  EXPECT_DOUBLE_EQ(robot->correction.right_scale, 1.01);
+  EXPECT_DOUBLE_EQ(robot->correction.laser_delay_s, 0.04);
+  const geometry::Rigid3& camera = robot->model.base_from_camera;
+  EXPECT_DOUBLE_EQ(camera.translation.y, 0.02);
+  const geometry::Vec3 ahead = camera.rotation * geometry::Vec3{0, 0, 1};
+  EXPECT_NEAR(std::atan2(ahead.y, ahead.x), 1.5, 1e-9);
+  EXPECT_NEAR(ahead.z, -std::sin(0.3), 1e-9);
+  // Its upper edge is up.
+  EXPECT_NEAR((camera.rotation * geometry::Vec3{1, 0, 0}).z, 0, 1e-9);
+  EXPECT_EQ(ParseRobot("like: jackal", "j")->correction, SensorCorrection());
+  EXPECT_FALSE(ParseRobot("odometry: {left_scale: 3}", "a.yaml").ok());
+  EXPECT_FALSE(ParseRobot("odometry: {laser_delay_s: .nan}", "a.yaml").ok());
+  EXPECT_FALSE(ParseRobot("camera: {up: 1}", "a.yaml").ok());
+}
+
 TEST(RobotFile, MistakesAreNamedWithTheirLines) {
   EXPECT_THAT(ParseRobot("like: r2d2", "a.yaml").status().message(),
-              HasSubstr("there is no robot 'r2d2'; there are rmp100, jackal"));
+              HasSubstr("there is no robot 'r2d2'; there are rmp100, jackal, "
+                        "turtlebot3"));
   EXPECT_THAT(
       ParseRobot("like: jackal\nmax_foward_mps: 1", "a.yaml")
           .status()

@@ -522,7 +522,9 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
           absl::StrCat(
               "laser: ", absl::StripPrefix(*laser, "laser at "),
               "\nrear_laser: ", absl::StripPrefix(*rear, "rear laser at "),
-              "\nbase: ", absl::StripPrefix(*base, "base at "), "\n"))
+              "\nbase: ", absl::StripPrefix(*base, "base at "),
+              // As small as a calibration finds them in good robots.
+              "\nleft_wheel_scale: 1.002\nlaser_delay_s: 0.004\n"))
           .ok());
   ASSERT_NO_FATAL_FAILURE(WriteMap(folder_ + "/map"));
   ASSERT_NO_FATAL_FAILURE(StartAgent({"--map", folder_ + "/map", "--hardware",

@@ -184,6 +184,38 @@ std::vector<Finding> JudgeCamera(const HeardCamera& heard) {
   return {finding};
 }
 
+Finding JudgeCalibration(
+    const std::string& drive,
+    const absl::StatusOr<calibration::Calibration>& calibration) {
+  Finding finding{.what = "calibration",
+                  .verdict = Verdict::kWarn,
+                  .found = "",
+                  .mend = ""};
+  if (!calibration.ok()) {
+    finding.found = std::string(calibration.status().message());
+    finding.mend =
+        "record another drive; docs/how-to/calibrate-a-robot.md says how";
+    return finding;
+  }
+  std::vector<std::string> off;
+  for (const calibration::Misfit& misfit :
+       calibration::FindMisfits(*calibration)) {
+    off.push_back(absl::StrFormat(
+        "%s is %.4f %s, not %.4f (+- %.4f)",
+        calibration::NameOf(misfit.quantity), misfit.found,
+        calibration::UnitOf(misfit.quantity), misfit.assumed, misfit.sigma));
+  }
+  if (off.empty()) {
+    finding.verdict = Verdict::kOk;
+    finding.found = absl::StrCat("fits ", drive);
+    return finding;
+  }
+  finding.found = absl::StrCat("in ", drive, " ", absl::StrJoin(off, "; "));
+  finding.mend = absl::StrCat("calibrate anew: treeline-agent calibrate ",
+                              drive, " --write FILE");
+  return finding;
+}
+
 std::vector<Finding> JudgeMap(
     const std::string& path,
     const absl::StatusOr<behavior::NavigatorMap>& map) {

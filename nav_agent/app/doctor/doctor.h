@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "client/relocalizer/relocalizer.h"
 #include "nav_agent/behavior/navigator.h"
+#include "nav_agent/calibration/calibration.h"
 #include "nav_agent/core/devices.h"
 
 namespace treeline::doctor_app {
@@ -53,6 +54,11 @@ struct HeardCamera {
 std::vector<Finding> JudgeLaser(const HeardLaser& heard);
 std::vector<Finding> JudgeBase(const HeardBase& heard);
 std::vector<Finding> JudgeCamera(const HeardCamera& heard);
+// A recorded drive at `drive` against what the robot's file assumes, or why it
+// could not be looked at.
+Finding JudgeCalibration(
+    const std::string& drive,
+    const absl::StatusOr<calibration::Calibration>& calibration);
 // `map` as it loaded, or why it did not.
 std::vector<Finding> JudgeMap(
     const std::string& path, const absl::StatusOr<behavior::NavigatorMap>& map);

@@ -19,6 +19,7 @@
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/config/effective_config.h"
+#include "nav_agent/app/calibrate/calibrate_run.h"
 #include "nav_agent/app/doctor/doctor.h"
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "nav_agent/app/run/agent_config.h"
@@ -44,6 +45,7 @@ usage.)";
 struct DoctorFlags {
   std::string config;
   std::string hardware;
+  std::string drive;
   std::string map;
   std::string server;
   std::string scene;
@@ -187,6 +189,20 @@ absl::Status ExamineServer(const std::string& address, const std::string& scene,
   return absl::OkStatus();
 }
 
+absl::Status ExamineCalibration(const std::string& drive,
+                                const std::string& hardware,
+                                const std::stop_token& stop,
+                                Findings& findings) {
+  const auto result =
+      calibrate_app::RunCalibration({.log = drive, .robot = hardware}, stop);
+  if (absl::IsCancelled(result.status())) return result.status();
+  findings.push_back(JudgeCalibration(
+      drive, result.ok()
+                 ? absl::StatusOr<calibration::Calibration>(result->calibration)
+                 : absl::StatusOr<calibration::Calibration>(result.status())));
+  return absl::OkStatus();
+}
+
 void ExamineMachine(const std::string& folder, Findings& findings) {
   timex time{};
   const bool is_synchronised =
@@ -221,6 +237,10 @@ absl::Status Examine(DoctorFlags flags, const std::stop_token& stop) {
     TL_RETURN_IF_ERROR(
         ExamineHardware(flags.hardware, flags.listen_s, stop, findings));
   }
+  if (!flags.drive.empty()) {
+    TL_RETURN_IF_ERROR(
+        ExamineCalibration(flags.drive, flags.hardware, stop, findings));
+  }
   std::string scene;
   if (!flags.map.empty()) scene = ExamineMap(flags.map, findings);
   if (!flags.scene.empty()) scene = flags.scene;
@@ -250,6 +270,11 @@ cli::Command AddDoctorCommand(CLI::App& app) {
       ->add_option("--hardware", flags->hardware,
                    "The robot's devices and measures")
       ->type_name("FILE");
+  command
+      ->add_option("--drive", flags->drive,
+                   "A recorded drive: whether the calibration in the file of "
+                   "--hardware still fits it")
+      ->type_name("LOG");
   command->add_option("--map", flags->map, "A map bundle")->type_name("BUNDLE");
   command->add_option("--server", flags->server, "A relocalization server")
       ->type_name("HOST:PORT");

@@ -89,6 +89,24 @@ TEST(Doctor, JudgesTheCamera) {
   EXPECT_THAT(JudgeCamera(heard)[0].mend, HasSubstr("depth"));
 }
 
+TEST(Doctor, JudgesTheCalibration) {
+  calibration::Calibration calibration;
+  auto& track =
+      calibration.estimates[static_cast<size_t>(calibration::Quantity::kTrack)];
+  track = {.value = 0.54, .sigma = 0.003, .is_known = true};
+  EXPECT_EQ(JudgeCalibration("a.tlog", calibration).verdict, Verdict::kOk);
+  track.value = 0.56;
+  const Finding finding = JudgeCalibration("a.tlog", calibration);
+  EXPECT_EQ(finding.verdict, Verdict::kWarn);
+  EXPECT_THAT(finding.found, HasSubstr("track is 0.5600 m, not 0.5400"));
+  EXPECT_THAT(finding.mend, HasSubstr("calibrate a.tlog"));
+  // Not known: nothing is said.
+  track.is_known = false;
+  EXPECT_EQ(JudgeCalibration("a.tlog", calibration).verdict, Verdict::kOk);
+  EXPECT_EQ(JudgeCalibration("a.tlog", absl::NotFoundError("no such")).verdict,
+            Verdict::kWarn);
+}
+
 behavior::NavigatorMap MapOf(int levels, int joins, core::Occupancy occupancy) {
   behavior::NavigatorMap map;
   for (int i = 0; i < levels; ++i) {

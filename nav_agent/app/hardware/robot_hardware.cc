@@ -32,6 +32,7 @@ struct HardwareFile {
   double laser_x_m = core::RobotModel().base_from_laser.translation.x;
   double laser_y_m = core::RobotModel().base_from_laser.translation.y;
   double laser_z_m = core::RobotModel().base_from_laser.translation.z;
+  double laser_yaw_rad = 0;
   double rear_laser_x_m = core::RobotModel().base_from_rear_laser.translation.x;
   double rear_laser_y_m = core::RobotModel().base_from_rear_laser.translation.y;
   double rear_laser_z_m = core::RobotModel().base_from_rear_laser.translation.z;
@@ -40,6 +41,9 @@ struct HardwareFile {
   double camera_y_m = core::RobotModel().base_from_camera.translation.y;
   double camera_z_m = core::RobotModel().base_from_camera.translation.z;
   double camera_down_rad = 0.21;
+  double left_wheel_scale = 1;
+  double right_wheel_scale = 1;
+  double laser_delay_s = 0;
 };
 
 const config::ConfigTable<HardwareFile>& HardwareTable() {
@@ -71,6 +75,8 @@ const config::ConfigTable<HardwareFile>& HardwareTable() {
     add(&HardwareFile::laser_x_m, "laser_x_m", "The laser, ahead", -5, 5);
     add(&HardwareFile::laser_y_m, "laser_y_m", "... to the left", -5, 5);
     add(&HardwareFile::laser_z_m, "laser_z_m", "... and up", 0, 5);
+    add(&HardwareFile::laser_yaw_rad, "laser_yaw_rad",
+        "... and where it looks, from ahead counter-clockwise", -6.3, 6.3);
     add(&HardwareFile::rear_laser_x_m, "rear_laser_x_m",
         "The rear laser, ahead", -5, 5);
     add(&HardwareFile::rear_laser_y_m, "rear_laser_y_m", "... to the left", -5,
@@ -83,6 +89,12 @@ const config::ConfigTable<HardwareFile>& HardwareTable() {
     add(&HardwareFile::camera_z_m, "camera_z_m", "... and up", 0, 5);
     add(&HardwareFile::camera_down_rad, "camera_down_rad",
         "How far below the horizon it looks", -1.5, 1.5);
+    add(&HardwareFile::left_wheel_scale, "left_wheel_scale",
+        "What the left wheel counts is multiplied by", 0.5, 2);
+    add(&HardwareFile::right_wheel_scale, "right_wheel_scale",
+        "... and the right one", 0.5, 2);
+    add(&HardwareFile::laser_delay_s, "laser_delay_s",
+        "Scans are stamped later than wheel readings by this", -0.5, 0.5);
     return made;
   }();
   return *table;
@@ -113,6 +125,7 @@ absl::Status HardwareConfig::Validate() const {
   }
   TL_RETURN_IF_ERROR(
       stream::ParseStreamAddress(base, segway::kSegwayBaud).status());
+  TL_RETURN_IF_ERROR(correction.Validate());
   return robot.Validate();
 }
 
@@ -125,15 +138,20 @@ absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path) {
                         .base = file.base,
                         .rear_laser = file.rear_laser,
                         .camera = file.camera,
-                        .robot = {}};
+                        .robot = {},
+                        .correction = {.left_scale = file.left_wheel_scale,
+                                       .right_scale = file.right_wheel_scale,
+                                       .laser_delay_s = file.laser_delay_s}};
   config.robot.front_m = file.front_m;
   config.robot.rear_m = file.rear_m;
   config.robot.half_width_m = file.half_width_m;
   config.robot.height_m = file.height_m;
   config.robot.wheel_track_m = file.wheel_track_m;
   config.robot.max_forward_mps = file.max_forward_mps;
-  config.robot.base_from_laser.translation = {file.laser_x_m, file.laser_y_m,
-                                              file.laser_z_m};
+  config.robot.base_from_laser = {
+      .rotation =
+          geometry::Rotation3::FromAxisAngle({0, 0, file.laser_yaw_rad}),
+      .translation = {file.laser_x_m, file.laser_y_m, file.laser_z_m}};
   config.robot.base_from_rear_laser = {
       .rotation =
           geometry::Rotation3::FromAxisAngle({0, 0, file.rear_laser_yaw_rad}),

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 #include "nav_agent/core/devices.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/drivers/hokuyo/hokuyo_laser.h"
 #include "nav_agent/drivers/segway/segway_base.h"
@@ -24,6 +25,7 @@ struct HardwareConfig {
   std::string rear_laser;
   std::string camera = "none";
   core::RobotModel robot;
+  core::SensorCorrection correction{};
 
   // INVALID_ARGUMENT: an address is missing or none, no such camera, or the
   // robot's measures contradict each other.

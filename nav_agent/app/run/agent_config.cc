@@ -67,11 +67,12 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::rear_laser,
             {.name = "rear_laser",
              .help = "The simulated robot has a second laser that looks back"});
-  table.Add(&AgentConfig::robot,
-            {.name = "robot",
-             .value_name = "NAME",
-             .help = "The simulated robot: rmp100, jackal, or a file "
-                     "(docs/reference/robots.md)"});
+  table.Add(
+      &AgentConfig::robot,
+      {.name = "robot",
+       .value_name = "NAME",
+       .help = "The simulated robot: rmp100, jackal, turtlebot3, or a file "
+               "(docs/reference/robots.md)"});
   table.Add(&AgentConfig::record,
             {.name = "record",
              .value_name = "FILE",

@@ -27,6 +27,7 @@ class RealRobot final : public AgentRobot {
       const hardware::HardwareConfig& config) {
     auto robot = std::make_unique<RealRobot>();
     robot->model_ = config.robot;
+    robot->correction_ = config.correction;
     TL_ASSIGN_OR_RETURN(robot->hardware_,
                         hardware::RobotHardware::Open(config, robot->clock_));
     return robot;
@@ -41,11 +42,13 @@ class RealRobot final : public AgentRobot {
   }
   const base::Clock& clock() const override { return clock_; }
   const core::RobotModel& model() const override { return model_; }
+  core::SensorCorrection correction() const override { return correction_; }
   void Advance(std::chrono::nanoseconds /*duration*/) override {}
 
  private:
   base::SteadyClock clock_;
   core::RobotModel model_;
+  core::SensorCorrection correction_;
   std::unique_ptr<hardware::RobotHardware> hardware_;
 };
 

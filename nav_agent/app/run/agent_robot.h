@@ -28,6 +28,9 @@ class AgentRobot {
   // What the devices' stamps are of.
   virtual const base::Clock& clock() const = 0;
   virtual const core::RobotModel& model() const = 0;
+  // What its measurements are to be corrected by; a simulated robot's by
+  // nothing.
+  virtual core::SensorCorrection correction() const { return {}; }
   // Lets simulated time pass; a real robot's passes by itself.
   virtual void Advance(std::chrono::nanoseconds duration) = 0;
   // What it tells apart from its wheels; nullopt: nothing.

@@ -28,6 +28,7 @@
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/bridge/foxglove/foxglove_server.h"
+#include "nav_agent/core/corrected_devices.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
@@ -124,6 +125,8 @@ class AgentProgram {
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
   behavior::NavigatorDevices WatchedDevices();
+  // As set, but no less than lets a slow laser's scans count.
+  double LaserTimeout_s();
   absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
   // What is done before the first step: in the log, and among the events.
@@ -156,6 +159,9 @@ class AgentProgram {
   std::unique_ptr<RecordedLaser> laser_;
   std::unique_ptr<RecordedOdometry> odometry_;
   std::unique_ptr<agent_service::BatteryTap> battery_;
+  // What the navigator gets: corrected. Recordings are not.
+  std::unique_ptr<core::CorrectedLaser> corrected_laser_;
+  std::unique_ptr<core::CorrectedOdometry> corrected_odometry_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
   // Null: there are no spans.
   std::unique_ptr<AgentTracing> tracing_;
@@ -249,6 +255,14 @@ absl::Status AgentProgram::WatchDevices() {
   }
   battery_ = std::make_unique<agent_service::BatteryTap>(
       odometry_ == nullptr ? robot_->Devices().odometry : *odometry_);
+  if (const core::SensorCorrection correction = robot_->correction();
+      correction != core::SensorCorrection()) {
+    const behavior::NavigatorDevices heard = WatchedDevices();
+    corrected_laser_ =
+        std::make_unique<core::CorrectedLaser>(heard.laser, correction);
+    corrected_odometry_ =
+        std::make_unique<core::CorrectedOdometry>(heard.odometry, correction);
+  }
   core::RgbdCamera* camera = robot_->Devices().camera;
   if (camera == nullptr) return absl::OkStatus();
   camera_ = std::make_unique<agent_service::BackgroundCamera>(
@@ -399,12 +413,23 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
 
 behavior::NavigatorDevices AgentProgram::WatchedDevices() {
   const behavior::NavigatorDevices raw = robot_->Devices();
-  return {.laser = laser_ == nullptr ? raw.laser : *laser_,
-          .odometry = *battery_,
+  core::RangeSensor& laser = laser_ == nullptr ? raw.laser : *laser_;
+  core::Odometry& odometry = *battery_;
+  return {.laser = corrected_laser_ == nullptr ? laser : *corrected_laser_,
+          .odometry =
+              corrected_odometry_ == nullptr ? odometry : *corrected_odometry_,
           .base = raw.base,
           .rear_laser = raw.rear_laser,
           .camera = camera_.get(),
           .server = server_.get()};
+}
+
+double AgentProgram::LaserTimeout_s() {
+  // A scan is as old as it took to measure when it comes, and the next one
+  // comes as much later.
+  constexpr double kScans = 2.5;
+  return std::max(config_.laser_timeout_s,
+                  kScans * robot_->Devices().laser.Info().scan_interval_s);
 }
 
 absl::Status AgentProgram::MakeSightNavigator() {
@@ -413,7 +438,7 @@ absl::Status AgentProgram::MakeSightNavigator() {
   options.max_forward_mps = config_.max_forward_mps;
   options.goal_tolerance_m = config_.goal_tolerance_m;
   options.goal_tolerance_rad = config_.goal_tolerance_rad;
-  options.laser_timeout_s = config_.laser_timeout_s;
+  options.laser_timeout_s = LaserTimeout_s();
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.manual_lease_s = ManualLease_s();
   if (!map_->levels.levels.empty()) {
@@ -437,7 +462,7 @@ absl::Status AgentProgram::MakeNavigator() {
   options.control.inflation_m = config_.inflation_m;
   options.control.goal_tolerance_m = config_.goal_tolerance_m;
   options.control.goal_tolerance_rad = config_.goal_tolerance_rad;
-  options.laser_timeout_s = config_.laser_timeout_s;
+  options.laser_timeout_s = LaserTimeout_s();
   options.odometry_timeout_s = config_.odometry_timeout_s;
   options.finds_itself_at_start = config_.find_yourself;
   options.seed = static_cast<uint64_t>(config_.seed);

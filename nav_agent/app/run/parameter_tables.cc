@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "nav_agent/behavior/parameters.h"
+#include "nav_agent/calibration/parameters.h"
 #include "nav_agent/control/parameters.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/mapless/parameters.h"
@@ -62,6 +63,8 @@ std::string Cell(std::string_view text) {
 std::vector<ParameterTable> AgentParameterTables() {
   return {
       {.folder = "nav_agent/behavior", .rows = behavior::BehaviorParameters()},
+      {.folder = "nav_agent/calibration",
+       .rows = calibration::CalibrationParameters()},
       {.folder = "nav_agent/control", .rows = control::ControlParameters()},
       {.folder = "nav_agent/localization",
        .rows = localization::LocalizationParameters()},

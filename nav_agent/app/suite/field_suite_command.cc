@@ -155,8 +155,9 @@ cli::Command AddFieldSuite(CLI::App& suite) {
       ->type_name("WORLD,...")
       ->delimiter(',');
   command
-      ->add_option("--robot", flags->robot,
-                   "rmp100, jackal, or a file (docs/reference/robots.md)")
+      ->add_option(
+          "--robot", flags->robot,
+          "rmp100, jackal, turtlebot3, or a file (docs/reference/robots.md)")
       ->type_name("ROBOT")
       ->capture_default_str();
   command
