@@ -1,5 +1,6 @@
 #include "nav_agent/behavior/laser_search.h"
 
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -64,6 +65,24 @@ void LaserSearch::LookEverywhere(RelocalizationTools& tools,
   has_told_amcl_ = true;
   has_spread_ = true;
   BreakHold(tools);
+}
+
+bool LaserSearch::IsLikeliest(const GatedFix& fix,
+                              const RelocalizationTools& tools) {
+  const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
+  const std::optional<localization::TrackedMotion> motion =
+      tools.tracker.Motion();
+  if (IsRefused(fix.verdict) || PlacesLeft(tools.tracker).empty() ||
+      !motion.has_value()) {
+    return false;
+  }
+  const double log_odds =
+      std::log(pose->place_share) - std::log1p(-pose->place_share);
+  return log_odds >= kSureLogOdds &&
+         AreWithin(
+             PropagatedByOdometry(fix.pose, fix.motion, *motion, *tools.map),
+             pose->pose, tools.options.gate.pair_m,
+             tools.options.gate.pair_rad);
 }
 
 void LaserSearch::NoteRefuted(RelocalizationTools& tools) {

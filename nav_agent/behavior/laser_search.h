@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "nav_agent/behavior/fix_gate.h"
 #include "nav_agent/behavior/parting_drive.h"
 #include "nav_agent/behavior/relocalization_tools.h"
 
@@ -28,6 +29,11 @@ class LaserSearch {
   static void Resume(RelocalizationTools& tools, base::MonotonicTime now) {
     tools.search_motion.Resume(now);
   }
+  // Whether the fix is of the place that is all but sure among those that
+  // explain the scans of several viewpoints: two sensors that err apart say the
+  // same.
+  static bool IsLikeliest(const GatedFix& fix,
+                          const RelocalizationTools& tools);
   // What was believed meanwhile did not hold: AMCL is to look everywhere after
   // the next turn.
   void NoteRefuted(RelocalizationTools& tools);

@@ -339,7 +339,8 @@ void RelocalizationStateMachine::Judge(const core::RelocalizationAnswer& answer,
   episode_.refused = IsRefused(fix.verdict) ? episode_.refused + 1 : 0;
   episode_.belief.AddAnswer(fix.motion.odom_from_base.yaw_rad,
                             says_nothing ? kRefusedPromise : fix.confidence);
-  if (IsLasersLikeliest(fix)) {
+  if (std::holds_alternative<LaserSearch>(phase_) &&
+      LaserSearch::IsLikeliest(fix, tools_)) {
     tools_.report.Note("fix", "scans of all viewpoints say the same");
     Seed(fix, true, now);
     return;
@@ -593,23 +594,6 @@ bool RelocalizationStateMachine::IsUniquePlace(const GatedFix& fix) const {
       PropagatedByOdometry(place->pose, place->motion, fix.motion, *tools_.map);
   return AreWithin(expected, fix.pose, checker_.options().pair_m,
                    checker_.options().pair_rad);
-}
-
-bool RelocalizationStateMachine::IsLasersLikeliest(const GatedFix& fix) const {
-  const std::optional<localization::TrackedPose> pose = tools_.tracker.Pose();
-  const std::optional<localization::TrackedMotion> motion =
-      tools_.tracker.Motion();
-  if (!std::holds_alternative<LaserSearch>(phase_) || IsRefused(fix.verdict) ||
-      PlacesLeft(tools_.tracker).empty() || !motion.has_value()) {
-    return false;
-  }
-  const double log_odds =
-      std::log(pose->place_share) - std::log1p(-pose->place_share);
-  return log_odds >= kSureLogOdds &&
-         AreWithin(
-             PropagatedByOdometry(fix.pose, fix.motion, *motion, *tools_.map),
-             pose->pose, checker_.options().pair_m,
-             checker_.options().pair_rad);
 }
 
 }  // namespace treeline::behavior

@@ -105,9 +105,6 @@ class RelocalizationStateMachine final : public RelocalizationBehavior {
   bool IsLasersTurn() const;
   bool TryUniquePlace(base::MonotonicTime now);
   bool IsUniquePlace(const GatedFix& fix) const;
-  // Of all places that explain the scans of several viewpoints it is the one
-  // that is all but sure: two sensors that err apart say the same.
-  bool IsLasersLikeliest(const GatedFix& fix) const;
 
   // After an answer.
   void TakeAnswer(const ServerQuestion::Answer& answer,

@@ -21,6 +21,10 @@
 namespace treeline::run_app {
 namespace {
 
+// So far in each direction.
+constexpr double kBlank_m = 30;
+constexpr double kBlankCell_m = 0.1;
+
 class RealRobot final : public AgentRobot {
  public:
   static absl::StatusOr<std::unique_ptr<AgentRobot>> Open(
@@ -299,6 +303,20 @@ absl::StatusOr<behavior::NavigatorMap> MapOfWorld(const std::string& name) {
   TL_ASSIGN_OR_RETURN(map.voxels, runs::VoxelsOfWorld(world, kResolution_m));
   TL_ASSIGN_OR_RETURN(map.levels,
                       traversability::ExtractTraversableMap(map.voxels));
+  return map;
+}
+
+behavior::NavigatorMap BlankMap() {
+  const int side = static_cast<int>(2 * kBlank_m / kBlankCell_m);
+  traversability::TraversableLevel level;
+  level.grid = core::OccupancyGrid::Filled(side, side, kBlankCell_m,
+                                           {{-kBlank_m, -kBlank_m}, 0},
+                                           core::Occupancy::kFree);
+  level.height_m.assign(level.grid.cells.size(), 0);
+  level.slope_rad.assign(level.grid.cells.size(), 0);
+  level.clearance_m.assign(level.grid.cells.size(), 3);
+  behavior::NavigatorMap map;
+  map.levels.levels.push_back(std::move(level));
   return map;
 }
 

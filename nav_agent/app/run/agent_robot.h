@@ -78,6 +78,10 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
 // The perfect map of a world, for robots that have driven through none.
 absl::StatusOr<behavior::NavigatorMap> MapOfWorld(const std::string& world);
 
+// What is shown where there is no map: one level of free ground about the
+// origin.
+behavior::NavigatorMap BlankMap();
+
 }  // namespace treeline::run_app
 
 #endif  // NAV_AGENT_APP_RUN_AGENT_ROBOT_H_

@@ -26,9 +26,9 @@
 #include "nav_agent/app/run/agent_tracing.h"
 #include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
+#include "nav_agent/app/run/watched_sensors.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/bridge/foxglove/foxglove_server.h"
-#include "nav_agent/core/corrected_devices.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
@@ -40,9 +40,6 @@ namespace treeline::run_app {
 namespace {
 
 constexpr double kControlHz = 40;
-// What is shown where there is no map: free ground, so far in each direction.
-constexpr double kBlank_m = 30;
-constexpr double kBlankCell_m = 0.1;
 // Pictures for people.
 constexpr auto kPictureInterval = std::chrono::milliseconds(200);
 // A pose that somebody gives is about right.
@@ -61,21 +58,6 @@ double ProcessorTime_s() {
 bool HasSpoken(const core::RangeSensor& laser) {
   return laser.Info().beams > 0 ||
          laser.Health().state == core::DeviceState::kRunning;
-}
-
-// One level of free ground about the origin.
-behavior::NavigatorMap BlankMap() {
-  const int side = static_cast<int>(2 * kBlank_m / kBlankCell_m);
-  traversability::TraversableLevel level;
-  level.grid = core::OccupancyGrid::Filled(side, side, kBlankCell_m,
-                                           {{-kBlank_m, -kBlank_m}, 0},
-                                           core::Occupancy::kFree);
-  level.height_m.assign(level.grid.cells.size(), 0);
-  level.slope_rad.assign(level.grid.cells.size(), 0);
-  level.clearance_m.assign(level.grid.cells.size(), 3);
-  behavior::NavigatorMap map;
-  map.levels.levels.push_back(std::move(level));
-  return map;
 }
 
 std::optional<geometry::Vec2> PositionOf(
@@ -156,12 +138,7 @@ class AgentProgram {
   agent_service::PictureKeeper camera_picture_{kPictureInterval};
   agent_service::PictureKeeper query_picture_{std::chrono::milliseconds(0)};
   std::unique_ptr<AgentRecorder> recorder_;
-  std::unique_ptr<RecordedLaser> laser_;
-  std::unique_ptr<RecordedOdometry> odometry_;
-  std::unique_ptr<agent_service::BatteryTap> battery_;
-  // What the navigator gets: corrected. Recordings are not.
-  std::unique_ptr<core::CorrectedLaser> corrected_laser_;
-  std::unique_ptr<core::CorrectedOdometry> corrected_odometry_;
+  std::unique_ptr<WatchedSensors> sensors_;
   std::unique_ptr<agent_service::BackgroundCamera> camera_;
   // Null: there are no spans.
   std::unique_ptr<AgentTracing> tracing_;
@@ -248,22 +225,11 @@ absl::Status AgentProgram::WatchDevices() {
                                        absl::StrCat("the recording ends: ",
                                                     status.message()));
                             }));
-    laser_ =
-        std::make_unique<RecordedLaser>(robot_->Devices().laser, *recorder_);
-    odometry_ = std::make_unique<RecordedOdometry>(robot_->Devices().odometry,
-                                                   *recorder_);
   }
-  battery_ = std::make_unique<agent_service::BatteryTap>(
-      odometry_ == nullptr ? robot_->Devices().odometry : *odometry_);
-  if (const core::SensorCorrection correction = robot_->correction();
-      correction != core::SensorCorrection()) {
-    const behavior::NavigatorDevices heard = WatchedDevices();
-    corrected_laser_ =
-        std::make_unique<core::CorrectedLaser>(heard.laser, correction);
-    corrected_odometry_ =
-        std::make_unique<core::CorrectedOdometry>(heard.odometry, correction);
-  }
-  core::RgbdCamera* camera = robot_->Devices().camera;
+  const behavior::NavigatorDevices raw = robot_->Devices();
+  sensors_ = std::make_unique<WatchedSensors>(
+      raw.laser, raw.odometry, robot_->correction(), recorder_.get());
+  core::RgbdCamera* camera = raw.camera;
   if (camera == nullptr) return absl::OkStatus();
   camera_ = std::make_unique<agent_service::BackgroundCamera>(
       *camera, [this, camera](const core::RgbdFrame& frame) {
@@ -413,11 +379,8 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
 
 behavior::NavigatorDevices AgentProgram::WatchedDevices() {
   const behavior::NavigatorDevices raw = robot_->Devices();
-  core::RangeSensor& laser = laser_ == nullptr ? raw.laser : *laser_;
-  core::Odometry& odometry = *battery_;
-  return {.laser = corrected_laser_ == nullptr ? laser : *corrected_laser_,
-          .odometry =
-              corrected_odometry_ == nullptr ? odometry : *corrected_odometry_,
+  return {.laser = sensors_->laser(),
+          .odometry = sensors_->odometry(),
           .base = raw.base,
           .rear_laser = raw.rear_laser,
           .camera = camera_.get(),
@@ -579,7 +542,7 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
       *robot_, *navigator_, *commands_, metrics_,
       {.camera = camera_.get(),
        .server = server_.get(),
-       .battery = battery_.get()},
+       .battery = &sensors_->battery()},
       {.control_hz = kControlHz,
        .speed = FollowsSimulation() ? std::numeric_limits<double>::infinity()
                                     : config_.speed,
