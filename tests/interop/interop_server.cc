@@ -70,12 +70,14 @@ int Main(const std::string& origin) {
   const auto gateway = gateway::Gateway::Start(
       options, dispatcher,
       {.metrics =
-           [&] {
+           [&](absl::string_view /*accept*/) {
              int stopped = 0;
              for (const service::CallInfo& call : dispatcher.calls()) {
                stopped += call.stop.stop_requested() ? 1 : 0;
              }
-             return absl::StrCat("stopped ", stopped, "\n");
+             return gateway::Content{
+                 .type = "text/plain",
+                 .bytes = absl::StrCat("stopped ", stopped, "\n")};
            },
        .scenes = [] { return std::vector<v1::SceneInfo>{Hall()}; }},
       clock);
