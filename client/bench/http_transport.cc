@@ -18,27 +18,13 @@
 #include "common/base/clock.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "common/curl/curl_handles.h"
 
 namespace treeline::bench {
 namespace {
 
 constexpr int kPollMs = 1000;
 constexpr size_t kMaxAnswerBytes = size_t{64} << 20;
-
-struct EasyDeleter {
-  void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
-};
-struct MultiDeleter {
-  void operator()(CURLM* multi) const { curl_multi_cleanup(multi); }
-};
-struct ListDeleter {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
-};
-using Headers = std::unique_ptr<curl_slist, ListDeleter>;
-
-void AddHeader(Headers& headers, const std::string& line) {
-  headers.reset(curl_slist_append(headers.release(), line.c_str()));
-}
 
 // What does not change from call to call.
 struct Endpoint {
@@ -56,7 +42,7 @@ struct Exchange {
   base::MonotonicTime due = {};
   Transport::Done done;
   std::atomic<bool> cancelled = false;
-  Headers headers;
+  curl::Headers headers;
   std::string answer;
   std::array<char, CURL_ERROR_SIZE> error{};
 };
@@ -100,7 +86,7 @@ class HttpTransport final : public Transport {
   class Handle;
   using ExchangePtr = std::shared_ptr<Exchange>;
   struct Running {
-    std::unique_ptr<CURL, EasyDeleter> easy;
+    curl::Easy easy;
     ExchangePtr exchange;
   };
 
@@ -113,14 +99,14 @@ class HttpTransport final : public Transport {
   void End(const ExchangePtr& exchange, CURLcode code, long http_status);
 
   const Endpoint endpoint_;
-  const std::unique_ptr<CURLM, MultiDeleter> multi_;
+  const curl::Multi multi_;
   std::atomic<bool> stopped_ = false;
   std::atomic<bool> any_cancelled_ = false;
   std::mutex mutex_;
   std::deque<ExchangePtr> new_;  // by mutex_
   // Of the thread.
   std::unordered_map<CURL*, Running> running_;
-  std::vector<std::unique_ptr<CURL, EasyDeleter>> idle_;
+  std::vector<curl::Easy> idle_;
   std::thread thread_;
 };
 
@@ -204,19 +190,19 @@ void HttpTransport::SetUp(CURL* easy, Exchange& exchange, int64_t timeout_ms) {
   const std::string& body = endpoint_.bodies[exchange.item];
   const std::string& url =
       endpoint_.urls[exchange.number % endpoint_.urls.size()];
-  AddHeader(exchange.headers,
-            absl::StrCat("Content-Type: ", ContentTypeOf(target)));
-  AddHeader(exchange.headers, absl::StrCat("Accept: ", AcceptOf(target)));
+  curl::AddHeader(exchange.headers,
+                  absl::StrCat("Content-Type: ", ContentTypeOf(target)));
+  curl::AddHeader(exchange.headers, absl::StrCat("Accept: ", AcceptOf(target)));
   // Or curl waits for a word of the server before it sends a large body.
-  AddHeader(exchange.headers, "Expect:");
+  curl::AddHeader(exchange.headers, "Expect:");
   if (target != Target::kGeoPose) {
-    AddHeader(exchange.headers, "Connect-Protocol-Version: 1");
-    AddHeader(exchange.headers,
-              absl::StrCat("Connect-Timeout-Ms: ", timeout_ms));
+    curl::AddHeader(exchange.headers, "Connect-Protocol-Version: 1");
+    curl::AddHeader(exchange.headers,
+                    absl::StrCat("Connect-Timeout-Ms: ", timeout_ms));
   }
   if (endpoint_.token != nullptr) {
-    AddHeader(exchange.headers,
-              absl::StrCat("Authorization: Bearer ", endpoint_.token->Get()));
+    curl::AddHeader(exchange.headers, absl::StrCat("Authorization: Bearer ",
+                                                   endpoint_.token->Get()));
   }
   curl_easy_reset(easy);
   // In the clear it goes to this machine, and not by way of another.

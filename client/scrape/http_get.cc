@@ -7,18 +7,12 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/curl/curl_handles.h"
 
 namespace treeline::scrape {
 namespace {
 
 constexpr size_t kMaxBytes = size_t{8} << 20;
-
-struct EasyDeleter {
-  void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
-};
-struct ListDeleter {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
-};
 
 size_t Take(const char* data, size_t size, size_t count, void* to) {
   auto* body = static_cast<std::string*>(to);
@@ -46,8 +40,8 @@ absl::Status ErrorOf(const std::string& url, long status) {
 
 absl::StatusOr<std::string> HttpGet(const std::string& url,
                                     const HttpGetOptions& options) {
-  const std::unique_ptr<CURL, EasyDeleter> easy(curl_easy_init());
-  std::unique_ptr<curl_slist, ListDeleter> headers;
+  const curl::Easy easy(curl_easy_init());
+  curl::Headers headers;
   std::array<char, CURL_ERROR_SIZE> error{};
   std::string body;
   const auto set = [&](CURLoption option, auto value) {
@@ -66,9 +60,8 @@ absl::StatusOr<std::string> HttpGet(const std::string& url,
     set(CURLOPT_SSLKEY, options.key_file.c_str());
   }
   if (!options.bearer_token.empty()) {
-    headers.reset(curl_slist_append(
-        nullptr,
-        absl::StrCat("Authorization: Bearer ", options.bearer_token).c_str()));
+    curl::AddHeader(
+        headers, absl::StrCat("Authorization: Bearer ", options.bearer_token));
     set(CURLOPT_HTTPHEADER, headers.get());
     // Nor does it go by way of a machine that need not see it.
     if (!absl::StartsWithIgnoreCase(url, "https:")) set(CURLOPT_NOPROXY, "*");

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
@@ -78,6 +79,16 @@ int Finish(const std::string& command, const absl::Status& status) {
 }
 
 }  // namespace
+
+std::function<absl::Status(std::stop_token stop)> RunChosen(
+    std::vector<Command> commands) {
+  return [commands = std::move(commands)](const std::stop_token& stop) {
+    for (const Command& command : commands) {
+      if (command.app->parsed()) return command.run(stop);
+    }
+    return absl::InternalError("no command was chosen");
+  };
+}
 
 int RunProgram(
     const ProgramText& text,

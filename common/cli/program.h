@@ -23,6 +23,10 @@ struct Command {
   std::function<absl::Status(std::stop_token stop)> run;
 };
 
+// What a command of subcommands runs: the one that the user chose.
+std::function<absl::Status(std::stop_token stop)> RunChosen(
+    std::vector<Command> commands);
+
 struct ProgramText {
   std::string name;
   std::string description;

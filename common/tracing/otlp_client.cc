@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "common/base/status_macros.h"
+#include "common/curl/curl_handles.h"
 
 namespace treeline::tracing {
 namespace {
@@ -20,17 +21,6 @@ namespace {
 constexpr size_t kMaxAnswerBytes = 65536;
 constexpr int kPoll_ms = 100;
 constexpr std::chrono::seconds kLongestRetryAfter{60};
-
-struct EasyDeleter {
-  void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
-};
-struct MultiDeleter {
-  void operator()(CURLM* multi) const { curl_multi_cleanup(multi); }
-};
-struct ListDeleter {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
-};
-using HeaderList = std::unique_ptr<curl_slist, ListDeleter>;
 
 struct Answer {
   size_t bytes = 0;
@@ -62,10 +52,6 @@ size_t TakeHeader(const char* data, size_t size, size_t count, void* to) {
   return answer->bytes > kMaxAnswerBytes ? 0 : size * count;
 }
 
-void Append(const std::string& line, HeaderList& list) {
-  list.reset(curl_slist_append(list.release(), line.c_str()));
-}
-
 absl::Status StatusOfHttp(long status) {
   if (status >= 200 && status < 300) return absl::OkStatus();
   const std::string message =
@@ -84,9 +70,9 @@ absl::Status StatusOfHttp(long status) {
 }  // namespace
 
 struct OtlpClient::Handles {
-  std::unique_ptr<CURLM, MultiDeleter> multi;
-  std::unique_ptr<CURL, EasyDeleter> easy;
-  HeaderList headers;
+  curl::Multi multi;
+  curl::Easy easy;
+  curl::Headers headers;
   std::array<char, CURL_ERROR_SIZE> error{};
 };
 
@@ -104,11 +90,11 @@ absl::StatusOr<std::unique_ptr<OtlpClient>> OtlpClient::Open(
   if (handles->multi == nullptr || handles->easy == nullptr) {
     return absl::InternalError("libcurl gives no handle");
   }
-  Append("Content-Type: application/x-protobuf", handles->headers);
+  curl::AddHeader(handles->headers, "Content-Type: application/x-protobuf");
   // What is not asked for need not be waited for.
-  Append("Expect:", handles->headers);
+  curl::AddHeader(handles->headers, "Expect:");
   for (const auto& [name, value] : options.headers) {
-    Append(absl::StrCat(name, ": ", value), handles->headers);
+    curl::AddHeader(handles->headers, absl::StrCat(name, ": ", value));
   }
   const auto set = [&](CURLoption option, auto value) {
     curl_easy_setopt(handles->easy.get(), option, value);

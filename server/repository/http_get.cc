@@ -14,6 +14,7 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
+#include "common/curl/curl_handles.h"
 #include "server/repository/web_url.h"
 
 namespace treeline::repository {
@@ -22,16 +23,6 @@ namespace {
 constexpr double kMinBytesPerMs = 1.024;
 // So long at most between two looks at whether the transfer stalls.
 constexpr std::chrono::milliseconds kLongestPoll{500};
-
-struct EasyDeleter {
-  void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
-};
-struct MultiDeleter {
-  void operator()(CURLM* multi) const { curl_multi_cleanup(multi); }
-};
-struct ListDeleter {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
-};
 
 absl::Status Unreachable(const std::string& url, absl::string_view why) {
   return base::WithReason(
@@ -81,9 +72,9 @@ class Transfer {
   const base::Clock& clock_;
   HttpSink& sink_;
   std::array<char, CURL_ERROR_SIZE> error_{};
-  std::unique_ptr<curl_slist, ListDeleter> headers_;
-  std::unique_ptr<CURL, EasyDeleter> easy_{curl_easy_init()};
-  std::unique_ptr<CURLM, MultiDeleter> multi_{curl_multi_init()};
+  curl::Headers headers_;
+  curl::Easy easy_{curl_easy_init()};
+  curl::Multi multi_{curl_multi_init()};
   bool begun_ = false;
   absl::Status sink_status_;
   base::MonotonicTime window_start_ = {};
@@ -113,8 +104,7 @@ void Transfer::SetUp() {
                      absl::StrCat(request_.offset, "-").c_str());
   }
   if (!request_.etag.empty()) {
-    headers_.reset(curl_slist_append(
-        nullptr, absl::StrCat("If-None-Match: ", request_.etag).c_str()));
+    curl::AddHeader(headers_, absl::StrCat("If-None-Match: ", request_.etag));
     curl_easy_setopt(easy, CURLOPT_HTTPHEADER, headers_.get());
   }
   curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &Transfer::OnBody);

@@ -287,12 +287,7 @@ cli::Command AddRouteCommand(CLI::App& app) {
       .app->add_option("names", flags->names, "Their names")
       ->type_name("NAME")
       ->required();
-  return {group, [commands](const std::stop_token& stop) {
-            for (const cli::Command& command : commands) {
-              if (command.app->parsed()) return command.run(stop);
-            }
-            return absl::InternalError("no command was chosen");
-          }};
+  return {group, cli::RunChosen(std::move(commands))};
 }
 
 }  // namespace treeline::route_app

@@ -148,12 +148,7 @@ cli::Command AddZonesCommand(CLI::App& app) {
       .app->add_option("names", flags->names, "Their names")
       ->type_name("NAME")
       ->required();
-  return {group, [commands](const std::stop_token& stop) {
-            for (const cli::Command& command : commands) {
-              if (command.app->parsed()) return command.run(stop);
-            }
-            return absl::InternalError("no command was chosen");
-          }};
+  return {group, cli::RunChosen(std::move(commands))};
 }
 
 }  // namespace treeline::zones_app
