@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "absl/strings/match.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nav_agent/behavior/testing_relocalization_behavior.h"
@@ -106,6 +107,26 @@ TEST_F(RelocalizationBehaviorTest, AWeakFixIsTakenWhenTheLaserSaysSoLater) {
   EXPECT_EQ(server_.asked, 2);
   EXPECT_THAT(notes_, HasSubstr("scans fit where it was seen"));
   EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(RelocalizationBehaviorTest, AfterTheLaserErredTheCameraGetsViewsAnew) {
+  // What the server refused while the laser's place was tried does not count.
+  tracker_.laser_knows = true;
+  tracker_.laser_says = geometry::Rigid2{{9, 3}, 0.5};
+  core::RelocalizationAnswer none;
+  none.reason = "TOO_FEW_INLIERS";
+  int asked_at_turn = -1;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  for (int i = 0; i < 100 / kStep_s && tracker_.spread == 0; ++i) {
+    Step();
+    if (asked_at_turn < 0 &&
+        absl::StrContains(notes_, "what the laser said does not hold")) {
+      asked_at_turn = server_.asked;
+    }
+  }
+  ASSERT_GE(asked_at_turn, 2) << notes_;
+  EXPECT_GE(server_.asked, asked_at_turn + 4) << notes_;
 }
 
 TEST_F(RelocalizationBehaviorTest, ViewsThatTheServerDoesNotKnowAreLeftAlone) {

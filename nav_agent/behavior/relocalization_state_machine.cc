@@ -258,6 +258,7 @@ core::VelocityCommand RelocalizationStateMachine::StepSearching(
       break;
     case LaserSearch::Outcome::kCamerasTurn:
       phase_ = CameraPhase();
+      episode_.refused = 0;
       LookElsewhere(input.now);
       break;
   }
@@ -457,16 +458,15 @@ void RelocalizationStateMachine::LookAgain(const std::string& why,
     NotConfirmed(why + ", and the server cannot be asked again", now);
     return;
   }
+  episode_.pending.Reset(std::get<ConfirmingState>(state_).seed());
   if (episode_.second_looks++ > 0 &&
       episode_.cause != RelocalizationCause::kCheck) {
     // What it sees here does not tell them apart.
     tools_.report.Note("recovery", why + ": goes on by laser");
-    episode_.pending.Reset(std::get<ConfirmingState>(state_).seed());
     if (!ReturnToPhase(now)) BeginSearch(now);
     return;
   }
   tools_.report.Note("recovery", why + ": looks a second time");
-  episode_.pending.Reset(std::get<ConfirmingState>(state_).seed());
   state_ = StoppingState(now);
 }
 
