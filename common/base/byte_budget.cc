@@ -27,17 +27,27 @@ bool ByteBudget::HasRoom(uint64_t held, uint64_t wanted) const {
          (others <= limit && wanted <= limit - others);
 }
 
+bool ByteBudget::AwaitRoom(uint64_t held, uint64_t wanted,
+                           std::chrono::milliseconds patience) {
+  const Waiting self{held, -waited_++};
+  if (held > 0) waiting_.insert(self);
+  waiting_bytes_ += held;
+  const auto is_decided = [&]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return HasRoom(held, wanted) || (waiting_bytes_ == used_bytes_ &&
+                                     held > 0 && *waiting_.begin() == self);
+  };
+  mutex_.AwaitWithTimeout(absl::Condition(&is_decided),
+                          absl::FromChrono(patience));
+  waiting_.erase(self);
+  waiting_bytes_ -= held;
+  return HasRoom(held, wanted);
+}
+
 bool ByteBudget::Resize(uint64_t held, uint64_t wanted,
                         std::chrono::milliseconds patience) {
   const absl::MutexLock lock(&mutex_);
-  if (!HasRoom(held, wanted)) {
-    const auto has_room = [&]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-      return HasRoom(held, wanted);
-    };
-    if (!mutex_.AwaitWithTimeout(absl::Condition(&has_room),
-                                 absl::FromChrono(patience))) {
-      return false;
-    }
+  if (!HasRoom(held, wanted) && !AwaitRoom(held, wanted, patience)) {
+    return false;
   }
   used_bytes_ = used_bytes_ - held + wanted;
   return true;

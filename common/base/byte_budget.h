@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <set>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -13,7 +15,9 @@ namespace treeline::base {
 
 // Counts bytes; it holds none itself. A quarter of the total is kept for small
 // leases, up to a 64th of it, so that a few giants do not shut out everyone
-// else. Thread-safe. Must outlive its leases.
+// else. Where all that is held is held by leases that wait for more, the
+// smallest of them is refused: else all would wait for each other. Thread-safe.
+// Must outlive its leases.
 class ByteBudget {
  public:
   explicit ByteBudget(uint64_t total_bytes) : total_bytes_(total_bytes) {}
@@ -24,15 +28,27 @@ class ByteBudget {
  private:
   friend class ByteLease;
 
+  // What a waiting lease holds, and how late it came, negated.
+  using Waiting = std::pair<uint64_t, int64_t>;
+
   // What a lease of `held` bytes that asks for `wanted` is told.
   bool HasRoom(uint64_t held, uint64_t wanted) const
       ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool Resize(uint64_t held, uint64_t wanted,
               std::chrono::milliseconds patience);
+  // Whether there is room before `patience` ends and before this one must give
+  // up for others.
+  bool AwaitRoom(uint64_t held, uint64_t wanted,
+                 std::chrono::milliseconds patience)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const uint64_t total_bytes_;
   mutable absl::Mutex mutex_;
   uint64_t used_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  int64_t waited_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Those that hold something, and how much together.
+  std::set<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
+  uint64_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 // A share of a budget, given back by the destructor. For one thread at a time.
@@ -53,7 +69,7 @@ class ByteLease {
   // From now on holds `bytes`. Less is always granted. More waits for room for
   // up to `patience`, and is granted beyond the total where nobody else holds
   // anything: what is larger than all shares goes alone. False: there was no
-  // room, and the lease is as it was.
+  // room; the lease is as it was, and must be released for others to get on.
   bool Resize(uint64_t bytes, std::chrono::milliseconds patience =
                                   std::chrono::milliseconds(0));
   void Release() { Resize(0); }

@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 #include <utility>
+#include <vector>
+
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 
 namespace treeline::base {
 namespace {
@@ -76,6 +81,57 @@ TEST(ByteBudget, AWaiterGoesOnWhenThereIsRoom) {
   first.Release();
   waiter.join();
   EXPECT_TRUE(granted);
+}
+
+// Each holds what another needs: the small ones give up, without patience's end,
+// until the others get on.
+TEST(ByteBudget, OfThoseThatWaitForEachOtherTheSmallestIsRefused) {
+  constexpr int kLeases = 8;
+  ByteBudget budget(400);
+  std::vector<ByteLease> leases;
+  for (int i = 0; i < kLeases; ++i) {
+    leases.emplace_back(&budget);
+    ASSERT_TRUE(leases.back().Resize(i == 3 ? 38 : 37));
+  }
+  std::atomic<int> granted = 0;
+  std::atomic<bool> is_greatest_granted = false;
+  std::vector<std::thread> waiters;
+  for (ByteLease& lease : leases) {
+    waiters.emplace_back([&] {
+      const bool is_greatest = lease.bytes() == 38;
+      if (lease.Resize(140, kLong)) {
+        ++granted;
+        if (is_greatest) is_greatest_granted = true;
+      }
+      lease.Release();
+    });
+  }
+  for (std::thread& waiter : waiters) waiter.join();
+  EXPECT_TRUE(is_greatest_granted);
+  EXPECT_GE(granted, 2);
+  EXPECT_EQ(budget.used_bytes(), 0u);
+}
+
+// There is somebody who may give back what is missing.
+TEST(ByteBudget, NobodyIsRefusedWhileSomebodyElseHoldsWhatIsMissing) {
+  ByteBudget budget(100);
+  ByteLease first(&budget);
+  ASSERT_TRUE(first.Resize(30));
+  ByteLease second(&budget);
+  ASSERT_TRUE(second.Resize(20));
+  ByteLease third(&budget);
+  ASSERT_TRUE(third.Resize(20));
+  std::atomic<int> granted = 0;
+  std::vector<std::thread> waiters;
+  for (ByteLease* lease : {&second, &third}) {
+    waiters.emplace_back([&granted, lease] {
+      if (lease->Resize(30, kLong)) ++granted;
+    });
+  }
+  absl::SleepFor(absl::Milliseconds(20));
+  first.Release();
+  for (std::thread& waiter : waiters) waiter.join();
+  EXPECT_EQ(granted, 2);
 }
 
 TEST(ByteLease, OfNoBudgetIsGrantedEverything) {
