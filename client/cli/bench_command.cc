@@ -14,8 +14,8 @@
 #include "client/bench/server_course.h"
 #include "client/cli/bench_flags.h"
 #include "client/cli/bench_load.h"
-#include "client/cli/live_display.h"
 #include "client/cli/metrics_source.h"
+#include "common/base/live_display.h"
 #include "common/base/status_macros.h"
 #include "common/page/page_template.h"
 
@@ -106,7 +106,7 @@ class Bench {
  private:
   absl::Status RunOnce(const bench::LoadStep& step,
                        const std::stop_token& stop) {
-    LiveDisplay display;
+    base::LiveDisplay display;
     if (flags_.processes > 1) {
       display.Show(absl::StrCat(flags_.processes, " processes, run ",
                                 report_.runs.size() + 1));

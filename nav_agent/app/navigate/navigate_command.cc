@@ -13,7 +13,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "common/base/live_display.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/run/agent_config.h"
 #include "nav_agent/service/agent_stub.h"
@@ -44,15 +46,12 @@ std::string ModeWord(const v1::NavigateResponse& feedback) {
   return EnumWord(v1::NavigatorMode_Name(feedback.mode()), "NAVIGATOR_MODE_");
 }
 
-// Over what was shown before, on a terminal; a line now and then elsewhere.
-void Show(const v1::NavigateResponse& feedback) {
+std::string LineOf(const v1::NavigateResponse& feedback) {
   const v1::LevelPose& pose = feedback.map_from_base();
-  std::fprintf(stderr,
-               "\r%-12s %6.2f m to go, %6.2f m driven, at %.2f, %.2f level %d, "
-               "%.2f m/s   ",
-               ModeWord(feedback).c_str(), feedback.goal().to_go_m(),
-               feedback.goal().driven_m(), pose.x_m(), pose.y_m(), pose.level(),
-               feedback.forward_mps());
+  return absl::StrFormat(
+      "%-12s %6.2f m to go, %6.2f m driven, at %.2f, %.2f level %d, %.2f m/s",
+      ModeWord(feedback), feedback.goal().to_go_m(), feedback.goal().driven_m(),
+      pose.x_m(), pose.y_m(), pose.level(), feedback.forward_mps());
 }
 
 absl::Status ResultOf(const v1::GoalStatus& goal) {
@@ -90,10 +89,12 @@ absl::Status Navigate(const NavigateFlags& flags, const std::stop_token& stop) {
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->Navigate(&context, request);
   v1::NavigateResponse feedback;
-  while (stream->Read(&feedback)) {
-    if (!flags.quiet) Show(feedback);
+  {
+    base::LiveDisplay display;
+    while (stream->Read(&feedback)) {
+      if (!flags.quiet) display.Show(LineOf(feedback));
+    }
   }
-  if (!flags.quiet) std::fprintf(stderr, "\n");
   TL_RETURN_IF_ERROR(CallStatus(flags.agent, stream->Finish()));
   return ResultOf(feedback.goal());
 }

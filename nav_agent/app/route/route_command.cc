@@ -9,7 +9,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/file.h"
+#include "common/base/live_display.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/route/route_yaml.h"
 #include "nav_agent/service/agent_stub.h"
@@ -166,8 +168,7 @@ absl::StatusOr<v1::RunRouteRequest> RequestOf(const RouteFlags& flags) {
   return request;
 }
 
-// Over what was shown before, on a terminal.
-void Show(const v1::RunRouteResponse& feedback) {
+std::string LineOf(const v1::RunRouteResponse& feedback) {
   const v1::RouteStatus& route = feedback.route();
   std::string what =
       EnumWord(v1::RouteState_Name(route.state()), "ROUTE_STATE_");
@@ -175,13 +176,12 @@ void Show(const v1::RunRouteResponse& feedback) {
     absl::StrAppend(&what, " ", static_cast<int>(route.waited_s()), " of ",
                     static_cast<int>(route.wait_s()), " s");
   }
-  std::fprintf(
-      stderr, "\rwaypoint %d of %d%s%s, lap %d: %s (%s), %.2f m to go   ",
+  return absl::StrFormat(
+      "waypoint %d of %d%s%s, lap %d: %s (%s), %.2f m to go",
       route.waypoint() + 1, route.waypoints(),
-      route.waypoint_name().empty() ? "" : " ", route.waypoint_name().c_str(),
-      static_cast<int>(route.lap()) + 1, what.c_str(),
-      EnumWord(v1::NavigatorMode_Name(feedback.mode()), "NAVIGATOR_MODE_")
-          .c_str(),
+      route.waypoint_name().empty() ? "" : " ", route.waypoint_name(),
+      route.lap() + 1, what,
+      EnumWord(v1::NavigatorMode_Name(feedback.mode()), "NAVIGATOR_MODE_"),
       feedback.goal().to_go_m());
 }
 
@@ -207,10 +207,12 @@ absl::Status Run(const RouteFlags& flags, const std::stop_token& stop) {
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->RunRoute(&context, request);
   v1::RunRouteResponse feedback;
-  while (stream->Read(&feedback)) {
-    if (!flags.quiet) Show(feedback);
+  {
+    base::LiveDisplay display;
+    while (stream->Read(&feedback)) {
+      if (!flags.quiet) display.Show(LineOf(feedback));
+    }
   }
-  if (!flags.quiet) std::fprintf(stderr, "\n");
   TL_RETURN_IF_ERROR(CallStatus(flags.agent, stream->Finish()));
   return ResultOf(feedback.route());
 }

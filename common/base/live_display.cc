@@ -1,11 +1,11 @@
-#include "client/cli/live_display.h"
+#include "common/base/live_display.h"
 
 #include <unistd.h>
 
 #include <cstdio>
 #include <utility>
 
-namespace treeline::client_cli {
+namespace treeline::base {
 namespace {
 
 constexpr std::chrono::seconds kLogEvery(10);
@@ -32,4 +32,4 @@ void LiveDisplay::Clear() {
   if (std::exchange(shown_, false)) std::fputs("\r\x1b[K", stderr);
 }
 
-}  // namespace treeline::client_cli
+}  // namespace treeline::base

@@ -1,11 +1,11 @@
 // A line that changes while something runs.
-#ifndef CLIENT_CLI_LIVE_DISPLAY_H_
-#define CLIENT_CLI_LIVE_DISPLAY_H_
+#ifndef COMMON_BASE_LIVE_DISPLAY_H_
+#define COMMON_BASE_LIVE_DISPLAY_H_
 
 #include <chrono>
 #include <string>
 
-namespace treeline::client_cli {
+namespace treeline::base {
 
 // Shows the state of a run on standard error: in place on a terminal, a line
 // every ten seconds elsewhere.
@@ -25,6 +25,6 @@ class LiveDisplay {
   std::chrono::steady_clock::time_point next_;
 };
 
-}  // namespace treeline::client_cli
+}  // namespace treeline::base
 
-#endif  // CLIENT_CLI_LIVE_DISPLAY_H_
+#endif  // COMMON_BASE_LIVE_DISPLAY_H_
