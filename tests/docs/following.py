@@ -17,8 +17,9 @@ def steps_of(page):
                       (ROOT / "docs" / page).read_text(), re.M | re.S)
 
 
-def follow(commands, folder, programs, **environment):
-    """Exit status and transcript of one shell. Kills all that it leaves."""
+def follow(commands, folder, programs, seconds=560, **environment):
+    """Exit status and transcript of one shell, which has so many seconds. Kills
+    all that it leaves."""
     shell = subprocess.Popen(
         ["bash", "-e", "-m", "-c", commands], cwd=folder, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -26,7 +27,7 @@ def follow(commands, folder, programs, **environment):
         start_new_session=True)
     transcript = ""
     try:
-        transcript, _ = shell.communicate(timeout=560)
+        transcript, _ = shell.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
         pass
     finally:
