@@ -83,8 +83,8 @@ TEST(ByteBudget, AWaiterGoesOnWhenThereIsRoom) {
   EXPECT_TRUE(granted);
 }
 
-// Each holds what another needs: the small ones give up, without patience's end,
-// until the others get on.
+// Each holds what another needs: the small ones give up, without patience's
+// end, until the others get on.
 TEST(ByteBudget, OfThoseThatWaitForEachOtherTheSmallestIsRefused) {
   constexpr int kLeases = 8;
   ByteBudget budget(400);

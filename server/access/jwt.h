@@ -1,4 +1,5 @@
-// The signature of a JSON Web Token (RFC 7519, RFC 7515), by libjwt.
+// The signature of a JSON Web Token (RFC 7519, RFC 7515), by libjwt and,
+// of Ed25519, which libjwt does not know, by OpenSSL.
 #ifndef SERVER_ACCESS_JWT_H_
 #define SERVER_ACCESS_JWT_H_
 

@@ -4,10 +4,12 @@
 #include <openssl/pem.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/access/base64url.h"
@@ -23,6 +25,7 @@ constexpr size_t kShortestSecret = 32;  // bytes: RFC 7518, section 3.2
 constexpr int kFewestRsaBits = 2048;
 constexpr int kMaxRsaBits = 8192;
 constexpr size_t kLongestExponent = 8;  // bytes
+constexpr size_t kEd25519Bytes = 32;
 
 absl::Status Bad(absl::string_view what) {
   return absl::InvalidArgumentError(what);
@@ -96,6 +99,46 @@ absl::StatusOr<PkeyPtr> P256Key(const Json& jwk) {
   return key;
 }
 
+absl::StatusOr<PkeyPtr> Ed25519Key(const Json& jwk) {
+  TL_ASSIGN_OR_RETURN(const std::string x, Bytes(jwk, "x", kEd25519Bytes));
+  PkeyPtr key(EVP_PKEY_new_raw_public_key(
+      EVP_PKEY_ED25519, nullptr,
+      reinterpret_cast<const unsigned char*>(x.data()), x.size()));
+  if (key == nullptr) {
+    TakeOpenSslError();
+    return Bad(absl::StrCat("'x' must have ", kEd25519Bytes, " bytes"));
+  }
+  return key;
+}
+
+// OpenSSL verifies with every point. Those of small order (1, 2, 4 and 8: y is
+// 0, 1, -1 or one of two others, written canonically or not) would make
+// signatures worthless.
+absl::Status CheckEd25519(const EVP_PKEY& key) {
+  std::array<unsigned char, kEd25519Bytes> y = {};
+  size_t size = y.size();
+  if (EVP_PKEY_get_raw_public_key(&key, y.data(), &size) != 1 ||
+      size != y.size()) {
+    return Bad(TakeOpenSslError());
+  }
+  // The sign of x.
+  y.back() &= 0x7f;
+  const std::string hex = absl::BytesToHexString(
+      absl::string_view(reinterpret_cast<const char*>(y.data()), y.size()));
+  const std::string zeros(2 * kEd25519Bytes - 2, '0');
+  const std::string ones(2 * kEd25519Bytes - 4, 'f');
+  for (const std::string& small :
+       {"00" + zeros, "01" + zeros, "ec" + ones + "7f", "ed" + ones + "7f",
+        "ee" + ones + "7f",
+        std::string("26e8958fc2b227b045c3f489f2ef98f0"
+                    "d5dfac05d3c63339b13802886d53fc05"),
+        std::string("c7176a703d4dd84fba3c0b760d10670f"
+                    "2a2053fa2c39ccc64ec7fd7792ac037a")}) {
+    if (hex == small) return Bad("an Ed25519 point of small order");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckRsa(const EVP_PKEY& key) {
   const int bits = EVP_PKEY_get_bits(&key);
   if (bits < kFewestRsaBits || bits > kMaxRsaBits) {
@@ -130,8 +173,11 @@ absl::StatusOr<JwtKey> ToJwtKey(absl::string_view id, const EVP_PKEY& key) {
       return Bad("an elliptic curve that is not P-256");
     }
     result.algorithm = JwtAlgorithm::kEs256;
+  } else if (EVP_PKEY_is_a(&key, "ED25519")) {
+    TL_RETURN_IF_ERROR(CheckEd25519(key));
+    result.algorithm = JwtAlgorithm::kEdDsa;
   } else {
-    return Bad("neither RSA nor P-256");
+    return Bad("neither RSA nor P-256 nor Ed25519");
   }
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (PEM_write_bio_PUBKEY(bio.get(), &key) != 1) {
@@ -153,11 +199,13 @@ std::optional<JwtAlgorithm> AlgorithmOf(const Json& jwk) {
   if (type == "EC" && Text(jwk, "crv") == "P-256") {
     algorithm = JwtAlgorithm::kEs256;
   }
-  if (type == "oct") algorithm = JwtAlgorithm::kHs256;
-  if (algorithm && !name.empty() && name != NameOf(*algorithm)) {
-    return std::nullopt;
+  if (type == "OKP" && Text(jwk, "crv") == "Ed25519") {
+    algorithm = JwtAlgorithm::kEdDsa;
   }
-  return algorithm;
+  if (type == "oct") algorithm = JwtAlgorithm::kHs256;
+  if (name.empty()) return algorithm;
+  const auto named = ParseJwtAlgorithm(name);
+  return named.ok() && algorithm == *named ? algorithm : std::nullopt;
 }
 
 absl::StatusOr<JwtKey> ParseJwk(const Json& jwk, JwtAlgorithm algorithm) {
@@ -180,6 +228,10 @@ absl::StatusOr<JwtKey> ParseJwk(const Json& jwk, JwtAlgorithm algorithm) {
       TL_ASSIGN_OR_RETURN(const PkeyPtr key, P256Key(jwk));
       return ToJwtKey(id, *key);
     }
+    case JwtAlgorithm::kEdDsa: {
+      TL_ASSIGN_OR_RETURN(const PkeyPtr key, Ed25519Key(jwk));
+      return ToJwtKey(id, *key);
+    }
   }
   return absl::InternalError("no such algorithm");
 }
@@ -192,6 +244,8 @@ const char* NameOf(JwtAlgorithm algorithm) {
       return "RS256";
     case JwtAlgorithm::kEs256:
       return "ES256";
+    case JwtAlgorithm::kEdDsa:
+      return "EdDSA";
     case JwtAlgorithm::kHs256:
       return "HS256";
   }
@@ -200,11 +254,13 @@ const char* NameOf(JwtAlgorithm algorithm) {
 
 absl::StatusOr<JwtAlgorithm> ParseJwtAlgorithm(absl::string_view name) {
   for (const JwtAlgorithm algorithm :
-       {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kHs256}) {
+       {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kEdDsa,
+        JwtAlgorithm::kHs256}) {
     if (name == NameOf(algorithm)) return algorithm;
   }
+  if (name == "Ed25519") return JwtAlgorithm::kEdDsa;
   return Bad(absl::StrCat("no algorithm of tokens '", name,
-                          "'; it must be RS256, ES256 or HS256"));
+                          "'; it must be RS256, ES256, EdDSA or HS256"));
 }
 
 absl::StatusOr<JwtKeySet> JwtKeySet::Make(std::vector<JwtKey> keys) {

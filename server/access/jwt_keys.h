@@ -12,12 +12,14 @@
 
 namespace treeline::access {
 
-// RFC 7518, section 3.1. There is no kNone, and there shall not be.
-enum class JwtAlgorithm { kRs256, kEs256, kHs256 };
+// RFC 7518, section 3.1, and Ed25519 of RFC 8037. There is no kNone, and there
+// shall not be.
+enum class JwtAlgorithm { kRs256, kEs256, kEdDsa, kHs256 };
 
 // "RS256".
 const char* NameOf(JwtAlgorithm algorithm);
-// INVALID_ARGUMENT: no such algorithm, or one that is not offered ("none").
+// Also "Ed25519", as RFC 9864 calls EdDSA. INVALID_ARGUMENT: no such algorithm,
+// or one that is not offered ("none").
 absl::StatusOr<JwtAlgorithm> ParseJwtAlgorithm(absl::string_view name);
 
 struct JwtKey {
@@ -49,14 +51,15 @@ class JwtKeySet {
 // not among `allowed` are passed over, as the standard asks. INVALID_ARGUMENT,
 // with the key's place: malformed; RSA of less than 2048 or more than 8192
 // bits, or with an exponent that makes signatures worthless; a point that is
-// not on P-256; a secret of less than 32 bytes; or keys of which none is left.
+// not on P-256; an Ed25519 point of small order, for which everybody can sign;
+// a secret of less than 32 bytes; or keys of which none is left.
 // {"keys": []} is a set: it makes every token invalid.
 absl::StatusOr<JwtKeySet> ParseJwks(absl::string_view json,
                                     const std::vector<JwtAlgorithm>& allowed);
 
-// A public key, or a certificate that holds one, as PEM: RS256 for RSA and
-// ES256 for P-256. INVALID_ARGUMENT as above, and for a private key, which has
-// no business on a server that only verifies.
+// A public key, or a certificate that holds one, as PEM: RS256 for RSA, ES256
+// for P-256 and EdDSA for Ed25519. INVALID_ARGUMENT as above, and for a private
+// key, which has no business on a server that only verifies.
 absl::StatusOr<JwtKey> ParsePemJwtKey(absl::string_view id,
                                       absl::string_view pem);
 

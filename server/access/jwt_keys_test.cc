@@ -11,7 +11,8 @@ namespace treeline::access {
 namespace {
 
 const std::vector<JwtAlgorithm> kAll = {
-    JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kHs256};
+    JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kEdDsa,
+    JwtAlgorithm::kHs256};
 
 std::string ErrorOf(const std::string& jwks) {
   const auto keys = ParseJwks(jwks, kAll);
@@ -20,6 +21,7 @@ std::string ErrorOf(const std::string& jwks) {
 
 TEST(JwtAlgorithm, IsNeverNone) {
   EXPECT_TRUE(ParseJwtAlgorithm("RS256").ok());
+  EXPECT_EQ(*ParseJwtAlgorithm("Ed25519"), *ParseJwtAlgorithm("EdDSA"));
   for (const char* name : {"none", "None", "", "rs256", "HS512", "PS256"}) {
     EXPECT_FALSE(ParseJwtAlgorithm(name).ok()) << name;
   }
@@ -28,9 +30,12 @@ TEST(JwtAlgorithm, IsNeverNone) {
 TEST(ParseJwks, GivesTheSameKeysAsPem) {
   const std::string rsa = MakeRsaPrivateKey();
   const std::string ec = MakeEcPrivateKey();
+  const std::string ed = MakeEd25519PrivateKey();
   const std::string secret(32, 's');
-  const auto keys = ParseJwks(
-      Jwks({RsaJwk(rsa, "r"), EcJwk(ec, "e"), SecretJwk(secret, "h")}), kAll);
+  const auto keys =
+      ParseJwks(Jwks({RsaJwk(rsa, "r"), EcJwk(ec, "e"), Ed25519Jwk(ed, "d"),
+                      SecretJwk(secret, "h")}),
+                kAll);
   ASSERT_TRUE(keys.ok()) << keys.status();
   const JwtKey* key = keys->Find("r", JwtAlgorithm::kRs256);
   ASSERT_NE(key, nullptr);
@@ -38,6 +43,9 @@ TEST(ParseJwks, GivesTheSameKeysAsPem) {
   key = keys->Find("e", JwtAlgorithm::kEs256);
   ASSERT_NE(key, nullptr);
   EXPECT_EQ(key->material, PublicKeyOf(ec));
+  key = keys->Find("d", JwtAlgorithm::kEdDsa);
+  ASSERT_NE(key, nullptr);
+  EXPECT_EQ(key->material, PublicKeyOf(ed));
   key = keys->Find("h", JwtAlgorithm::kHs256);
   ASSERT_NE(key, nullptr);
   EXPECT_EQ(key->material, secret);
@@ -73,6 +81,21 @@ TEST(ParseJwks, PassesOverWhatIsNotAllowedOrNotForSignatures) {
   ASSERT_TRUE(keys.ok()) << keys.status();
   ASSERT_EQ(keys->keys().size(), 1u);
   EXPECT_EQ(keys->keys()[0].id, "sig");
+}
+
+// For the neutral element everybody can sign everything: R = neutral, S = 0.
+TEST(ParseJwks, RefusesEd25519PointsOfSmallOrder) {
+  for (const std::string& y :
+       {std::string("\1") + std::string(31, '\0'), std::string(32, '\0'),
+        std::string("\1") + std::string(30, '\0') + "\x80",
+        "\xec" + std::string(30, '\xff') + "\x7f"}) {
+    EXPECT_EQ(
+        ErrorOf(Jwks({absl::StrCat(R"({"kty":"OKP","crv":"Ed25519","x":")",
+                                   EncodeBase64Url(y), "\"}")})),
+        "keys[0]: an Ed25519 point of small order");
+  }
+  EXPECT_EQ(ErrorOf(R"({"keys":[{"kty":"OKP","crv":"Ed25519","x":"AA"}]})"),
+            "keys[0]: 'x' must have 32 bytes");
 }
 
 TEST(ParseJwks, TakesNoKeysButNotKeysThatAreAllUseless) {

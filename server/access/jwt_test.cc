@@ -22,10 +22,12 @@ class JwtTest : public testing::Test {
   static void SetUpTestSuite() {
     rsa_ = new std::string(MakeRsaPrivateKey());
     ec_ = new std::string(MakeEcPrivateKey());
+    ed_ = new std::string(MakeEd25519PrivateKey());
   }
   static void TearDownTestSuite() {
     delete rsa_;
     delete ec_;
+    delete ed_;
   }
 
   // What is wrong with the token; "OK" if nothing is.
@@ -39,21 +41,26 @@ class JwtTest : public testing::Test {
 
   static std::string* rsa_;
   static std::string* ec_;
+  static std::string* ed_;
   const std::string secret_ = std::string(32, 's');
   const JwtKeySet keys_ =
       *JwtKeySet::Make({{"r", JwtAlgorithm::kRs256, PublicKeyOf(*rsa_)},
                         {"e", JwtAlgorithm::kEs256, PublicKeyOf(*ec_)},
+                        {"d", JwtAlgorithm::kEdDsa, PublicKeyOf(*ed_)},
                         {"h", JwtAlgorithm::kHs256, secret_}});
 };
 
 std::string* JwtTest::rsa_ = nullptr;
 std::string* JwtTest::ec_ = nullptr;
+std::string* JwtTest::ed_ = nullptr;
 
 TEST_F(JwtTest, AcceptsEveryAlgorithmWithItsKey) {
   const std::string tokens[] = {
       MakeToken(JwtAlgorithm::kRs256, *rsa_, "r", kClaims),
       MakeToken(JwtAlgorithm::kEs256, *ec_, "e", kClaims),
       MakeToken(JwtAlgorithm::kHs256, secret_, "h", kClaims),
+      MakeToken(JwtAlgorithm::kEdDsa, *ed_, "d", kClaims),
+      MakeToken(JwtAlgorithm::kEdDsa, *ed_, "", kClaims),
       MakeToken(JwtAlgorithm::kEs256, *ec_, "", kClaims)};
   for (const std::string& token : tokens) {
     const auto claims = VerifyJwtSignature(token, keys_);
@@ -116,12 +123,51 @@ TEST_F(JwtTest, DoesNotTakeAPublicKeyForASecretWhoeverReadsTheHeader) {
   }
 }
 
+// RFC 8037, appendix A: its payload is no claims, which is found out only once
+// the signature is right.
+TEST(Jwt, VerifiesTheExampleOfTheStandard) {
+  const auto keys =
+      ParseJwks(R"({"keys":[{"kty":"OKP","crv":"Ed25519",)"
+                R"("x":"11qYAYKxCrfVS_7TyWQHOg7hcvPapiMlrwIaaPcHURo"}]})",
+                {JwtAlgorithm::kEdDsa});
+  ASSERT_TRUE(keys.ok()) << keys.status();
+  const std::string text =
+      "eyJhbGciOiJFZERTQSJ9.RXhhbXBsZSBvZiBFZDI1NTE5IHNpZ25pbmc.";
+  const std::string signature =
+      "hgyY0il_MGCjP0JzlnLWG1PPOt7-09PGcvMg3AIbQR6dWbhijcNR4ki4iylGjg5BhVsPt9g7"
+      "sVvpAr_MuM0KAg";
+  EXPECT_THAT(VerifyJwtSignature(text + signature, *keys).status().message(),
+              HasSubstr("no claims"));
+  EXPECT_THAT(VerifyJwtSignature(text + "i" + signature.substr(1), *keys)
+                  .status()
+                  .message(),
+              HasSubstr("signature"));
+}
+
+TEST_F(JwtTest, TakesAnEd25519KeyForNothingElse) {
+  const std::string pem = PublicKeyOf(*ed_);
+  // As a secret, for another algorithm, and cut short.
+  EXPECT_THAT(
+      ErrorOf(MakeHmacToken(R"({"alg":"HS256","kid":"d"})", kClaims, pem)),
+      HasSubstr("no known key"));
+  EXPECT_THAT(
+      ErrorOf(MakeHmacToken(R"({"alg":"EdDSA","kid":"d"})", kClaims, pem)),
+      HasSubstr("signature"));
+  EXPECT_THAT(ErrorOf(JoinToken(R"({"alg":"EdDSA","kid":"e"})", kClaims, "s")),
+              HasSubstr("no known key"));
+  EXPECT_THAT(ErrorOf(MakeToken(JwtAlgorithm::kEdDsa, *ed_, "d", "7")),
+              HasSubstr("no claims"));
+}
+
 TEST_F(JwtTest, RefusesAnotherKeysSignature) {
   EXPECT_THAT(ErrorOf(MakeToken(JwtAlgorithm::kRs256, MakeRsaPrivateKey(), "r",
                                 kClaims)),
               HasSubstr("signature"));
   EXPECT_THAT(ErrorOf(MakeToken(JwtAlgorithm::kEs256, MakeEcPrivateKey(), "e",
                                 kClaims)),
+              HasSubstr("signature"));
+  EXPECT_THAT(ErrorOf(MakeToken(JwtAlgorithm::kEdDsa, MakeEd25519PrivateKey(),
+                                "d", kClaims)),
               HasSubstr("signature"));
   EXPECT_THAT(
       ErrorOf(MakeToken(JwtAlgorithm::kRs256, *rsa_, "unknown", kClaims)),
@@ -132,6 +178,7 @@ TEST_F(JwtTest, RefusesClaimsThatWereChanged) {
   for (const std::string& token :
        {MakeToken(JwtAlgorithm::kRs256, *rsa_, "r", kClaims),
         MakeToken(JwtAlgorithm::kEs256, *ec_, "e", kClaims),
+        MakeToken(JwtAlgorithm::kEdDsa, *ed_, "d", kClaims),
         MakeToken(JwtAlgorithm::kHs256, secret_, "h", kClaims)}) {
     std::vector<std::string> parts = absl::StrSplit(token, '.');
     parts[1] = EncodeBase64Url(R"({"sub":"robot-8"})");

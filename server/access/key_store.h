@@ -26,8 +26,8 @@ struct KeyStoreOptions {
   std::string path = {};
   // Keys of other algorithms are passed over. HS256 only if it is named, since
   // its keys are secrets that everyone who verifies could sign with.
-  std::vector<JwtAlgorithm> algorithms = {JwtAlgorithm::kRs256,
-                                          JwtAlgorithm::kEs256};
+  std::vector<JwtAlgorithm> algorithms = {
+      JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kEdDsa};
   // How often the files are looked at, 10 ms or more.
   std::chrono::milliseconds poll_interval = std::chrono::seconds(1);
 

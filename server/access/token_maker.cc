@@ -42,6 +42,26 @@ std::string Number(const EVP_PKEY& key, const char* name, int size = 0) {
   return EncodeBase64Url(bytes);
 }
 
+std::string MakeEd25519Token(const std::string& private_key,
+                             const std::string& id, const std::string& claims) {
+  const PkeyPtr key = ReadPrivateKey(private_key);
+  const std::string header =
+      absl::StrCat(R"({"alg":"EdDSA")", id.empty() ? "" : R"(,"kid":")", id,
+                   id.empty() ? "" : "\"", "}");
+  const std::string text =
+      absl::StrCat(EncodeBase64Url(header), ".", EncodeBase64Url(claims));
+  const DigestContextPtr context(EVP_MD_CTX_new());
+  std::string signature(64, '\0');
+  size_t size = signature.size();
+  Require(EVP_DigestSignInit(context.get(), nullptr, nullptr, nullptr,
+                             key.get()) == 1);
+  Require(EVP_DigestSign(
+              context.get(), reinterpret_cast<unsigned char*>(signature.data()),
+              &size, reinterpret_cast<const unsigned char*>(text.data()),
+              text.size()) == 1);
+  return absl::StrCat(text, ".", EncodeBase64Url(signature));
+}
+
 jwt_alg_t ToLibjwt(JwtAlgorithm algorithm) {
   if (algorithm == JwtAlgorithm::kHs256) return JWT_ALG_HS256;
   return algorithm == JwtAlgorithm::kRs256 ? JWT_ALG_RS256 : JWT_ALG_ES256;
@@ -55,6 +75,10 @@ std::string MakeRsaPrivateKey(int bits) {
 
 std::string MakeEcPrivateKey(const char* curve) {
   return PrivatePem(EVP_EC_gen(curve));
+}
+
+std::string MakeEd25519PrivateKey() {
+  return PrivatePem(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"));
 }
 
 std::string PublicKeyOf(const std::string& private_key) {
@@ -80,6 +104,17 @@ std::string EcJwk(const std::string& private_key, const std::string& id) {
                       Number(*key, OSSL_PKEY_PARAM_EC_PUB_Y, 32), "\"}");
 }
 
+std::string Ed25519Jwk(const std::string& private_key, const std::string& id) {
+  const PkeyPtr key = ReadPrivateKey(private_key);
+  std::string x(32, '\0');
+  size_t size = x.size();
+  Require(EVP_PKEY_get_raw_public_key(
+              key.get(), reinterpret_cast<unsigned char*>(x.data()), &size) ==
+          1);
+  return absl::StrCat(R"({"kty":"OKP","crv":"Ed25519","kid":")", id,
+                      R"(","x":")", EncodeBase64Url(x), "\"}");
+}
+
 std::string SecretJwk(const std::string& secret, const std::string& id) {
   return absl::StrCat(R"({"kty":"oct","kid":")", id, R"(","k":")",
                       EncodeBase64Url(secret), "\"}");
@@ -91,6 +126,9 @@ std::string Jwks(const std::vector<std::string>& keys) {
 
 std::string MakeToken(JwtAlgorithm algorithm, const std::string& private_key,
                       const std::string& id, const std::string& claims) {
+  if (algorithm == JwtAlgorithm::kEdDsa) {
+    return MakeEd25519Token(private_key, id, claims);
+  }
   jwt_t* jwt = nullptr;
   Require(jwt_new(&jwt) == 0);
   if (!id.empty()) Require(jwt_add_header(jwt, "kid", id.c_str()) == 0);

@@ -13,6 +13,7 @@ namespace treeline::access {
 // A private key as PEM. Each dies on failure.
 std::string MakeRsaPrivateKey(int bits = 2048);
 std::string MakeEcPrivateKey(const char* curve = "P-256");
+std::string MakeEd25519PrivateKey();
 // Its public part as PEM.
 std::string PublicKeyOf(const std::string& private_key);
 
@@ -20,11 +21,13 @@ std::string PublicKeyOf(const std::string& private_key);
 std::string RsaJwk(const std::string& private_key, const std::string& id,
                    const std::string& more = "");
 std::string EcJwk(const std::string& private_key, const std::string& id);
+std::string Ed25519Jwk(const std::string& private_key, const std::string& id);
 std::string SecretJwk(const std::string& secret, const std::string& id);
 // {"keys": [...]}.
 std::string Jwks(const std::vector<std::string>& keys);
 
-// A token with these claims (JSON), signed by libjwt. `id` empty: no "kid".
+// A token with these claims (JSON), signed by libjwt or OpenSSL. `id` empty: no
+// "kid".
 std::string MakeToken(JwtAlgorithm algorithm, const std::string& private_key,
                       const std::string& id, const std::string& claims);
 

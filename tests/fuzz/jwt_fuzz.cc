@@ -27,7 +27,8 @@ constexpr char kKeys[] =
     R"(IXx1k1JE1UIo6Z859Z0D5voUPckp0cx2J_Lr5ZQWgs9ODKpuw","e":"AQAB"},{"k)"
     R"(ty":"EC","crv":"P-256","kid":"e","x":"4Yno6LSNKli0GgTJf2g3mFzOBzHk)"
     R"(vRJdt3x0Yec0VUo","y":"rQqhxz4ruT2S7-1DVjReuAOhTJj82_G9kIpHT72ILrw")"
-    R"(},{"kty":"oct","kid":"h","k":"XxNuVIzChYN7uIFyeIhKSgUvlhe3zwJDXGU0)"
+    R"(},{"kty":"OKP","crv":"Ed25519","kid":"d","x":")"
+    R"(11qYAYKxCrfVS_7TyWQHOg7hcvPapiMlrwIaaPcHURo"},{"kty":"oct","kid":"h","k":"XxNuVIzChYN7uIFyeIhKSgUvlhe3zwJDXGU0)"
     R"(X8XgBq4"}]})";
 
 void CheckClaims(absl::string_view json) {
@@ -46,7 +47,7 @@ void CheckToken(absl::string_view token) {
   static const access::JwtKeySet* const keys = [] {
     auto parsed = access::ParseJwks(
         kKeys, {access::JwtAlgorithm::kRs256, access::JwtAlgorithm::kEs256,
-                access::JwtAlgorithm::kHs256});
+                access::JwtAlgorithm::kEdDsa, access::JwtAlgorithm::kHs256});
     if (!parsed.ok()) std::abort();
     return new access::JwtKeySet(*std::move(parsed));
   }();
