@@ -137,6 +137,7 @@ Json ModelJson(const forest::ModelInfo& model) {
   json["nodes"] = model.nodes;
   json["leaves"] = model.leaves;
   json["file_bytes"] = model.file_bytes;
+  json["memory_bytes"] = model.memory_bytes;
   json["checksum"] = Text(model.checksum);
   return json;
 }

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
 #include "server/repository/folder_source.h"
 #include "server/repository/http_model_source.h"
@@ -79,6 +80,7 @@ absl::StatusOr<std::unique_ptr<repository::SceneRepository>> OpenRepository(
   repository::RepositoryOptions options;
   options.memory_budget_bytes = static_cast<uint64_t>(config.memory_budget_mib)
                                 << 20;
+  options.read_memory_bytes = &forest::ReadModelMemoryBytes;
   options.poll_interval =
       std::chrono::milliseconds(static_cast<int64_t>(config.poll_s * 1e3));
   options.load_all_at_start = config.load_all;

@@ -2,6 +2,7 @@
 #ifndef SERVER_REPOSITORY_MODEL_SOURCE_H_
 #define SERVER_REPOSITORY_MODEL_SOURCE_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -26,6 +27,11 @@ struct ModelRef {
   // same id means that the very file was written over, and another id that
   // another file was put in its place.
   std::string file_id = {};
+  // What it takes in memory; 0: not known before its file is looked into.
+  uint64_t memory_bytes = 0;
+
+  // What is set aside for it: what is known of it, but no less than its file.
+  uint64_t reserved_bytes() const { return std::max(bytes, memory_bytes); }
 };
 
 // What a source has at one moment.

@@ -104,6 +104,13 @@ LoadPurpose ModelVersion::purpose() const {
 
 void ModelVersion::Begin() { load_ = AtWork{purpose()}; }
 
+void ModelVersion::Postpone(const ModelRef& model, uint64_t memory_bytes) {
+  if (model.fingerprint == model_.fingerprint) {
+    model_.memory_bytes = memory_bytes;
+  }
+  load_ = Queued{std::get<AtWork>(load_).purpose};
+}
+
 void ModelVersion::Drop() { load_ = NotLoading{}; }
 
 LoadPurpose ModelVersion::End() {

@@ -51,7 +51,7 @@ class ModelVersion {
   uint64_t last_use() const { return resident_->last_use; }
   // 0 if it is not resident.
   uint64_t resident_bytes() const {
-    return resident_ ? resident_->model.bytes : 0;
+    return resident_ ? resident_->model.reserved_bytes() : 0;
   }
   // Whether a query, or whoever else got it, has this scene or its model.
   bool IsInUse() const;
@@ -91,6 +91,9 @@ class ModelVersion {
   // Of the queued load.
   LoadPurpose purpose() const;
   void Begin();  // queued -> at work
+  // At work -> queued: the model takes more memory than was set aside for it.
+  // Nothing is known of another file than `model`, which may be listed since.
+  void Postpone(const ModelRef& model, uint64_t memory_bytes);
   // Queued -> not loading.
   void Drop();
   // At work -> not loading; returns what the load was for.

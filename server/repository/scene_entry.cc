@@ -246,7 +246,7 @@ void SceneEntry::Finish(
     effects.events.push_back({.kind = RepositoryEvent::Kind::kLoaded,
                               .scene = name_,
                               .version = model.version,
-                              .bytes = model.bytes,
+                              .bytes = model.reserved_bytes(),
                               .seconds = seconds});
   } else if (!has_changed) {
     NoteFailure(version, localizer.status(), now, effects);

@@ -142,12 +142,24 @@ void SceneRepository::RunLoader(const std::stop_token& stop) {
   }
 }
 
-absl::StatusOr<std::unique_ptr<localizer::Localizer>>
-SceneRepository::OpenModel(const ModelRef& model, const std::stop_token& stop) {
-  TL_ASSIGN_OR_RETURN(const std::string path, source_->Fetch(model, stop));
+std::optional<absl::StatusOr<std::unique_ptr<localizer::Localizer>>>
+SceneRepository::OpenModel(const SceneTable::Job& job,
+                           const std::stop_token& stop) {
+  const absl::StatusOr<std::string> path = source_->Fetch(job.model, stop);
+  if (!path.ok()) return path.status();
+  if (options_.read_memory_bytes != nullptr) {
+    const absl::StatusOr<uint64_t> memory_bytes =
+        options_.read_memory_bytes(*path);
+    if (memory_bytes.ok() && *memory_bytes > job.model.reserved_bytes()) {
+      absl::MutexLock lock(&shared_->mutex);
+      table_.Postpone(job, *memory_bytes);
+      Wake();
+      return std::nullopt;
+    }
+  }
   absl::StatusOr<std::unique_ptr<localizer::Localizer>> localizer =
-      opener_(path);
-  if (!localizer.ok()) return WithoutPath(localizer.status(), path);
+      opener_(*path);
+  if (!localizer.ok()) return WithoutPath(localizer.status(), *path);
   return localizer;
 }
 
@@ -157,8 +169,9 @@ void SceneRepository::RunJob(const SceneTable::Job& job,
   // For as long as the model is in memory, so that it can be loaded again, also
   // by another process, when the source is out of reach.
   std::shared_ptr<const void> kept = source_->Keep(job.model);
-  absl::StatusOr<std::unique_ptr<localizer::Localizer>> opened =
-      OpenModel(job.model, stop);
+  auto maybe_opened = OpenModel(job, stop);
+  if (!maybe_opened) return;
+  absl::StatusOr<std::unique_ptr<localizer::Localizer>>& opened = *maybe_opened;
   const base::MonotonicTime end = clock_.Now();
   absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer;
   if (!opened.ok()) {
@@ -166,7 +179,7 @@ void SceneRepository::RunJob(const SceneTable::Job& job,
   } else {
     localizer = std::shared_ptr<const localizer::Localizer>(
         opened->release(),
-        [shared = shared_, bytes = job.model.bytes,
+        [shared = shared_, bytes = job.model.reserved_bytes(),
          kept = std::move(kept)](const localizer::Localizer* gone) {
           delete gone;
           absl::MutexLock lock(&shared->mutex);
@@ -177,7 +190,7 @@ void SceneRepository::RunJob(const SceneTable::Job& job,
   SceneTable::Effects effects;
   {
     absl::MutexLock lock(&shared_->mutex);
-    if (localizer.ok()) shared_->resident_bytes += job.model.bytes;
+    if (localizer.ok()) shared_->resident_bytes += job.model.reserved_bytes();
     table_.Finish(job, std::move(localizer),
                   std::chrono::duration<double>(end - start).count(), end,
                   effects);

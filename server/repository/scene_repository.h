@@ -30,9 +30,16 @@ using LocalizerOpener =
     std::function<absl::StatusOr<std::unique_ptr<localizer::Localizer>>(
         const std::string& model_path)>;
 
+// What the model file at a path takes in memory when it is open; errors are
+// those that its opening gives.
+using MemoryReader =
+    std::function<absl::StatusOr<uint64_t>(const std::string& model_path)>;
+
 struct RepositoryOptions {
-  // Of all models in memory; they count with their files' sizes. 0: none.
+  // Of all models in memory. 0: none.
   uint64_t memory_budget_bytes = 0;
+  // What each counts with; null: its file's size.
+  MemoryReader read_memory_bytes = {};
   // How often the source is looked at; 0: only when Rescan or Load is called.
   std::chrono::milliseconds poll_interval{0};
   // Models loaded at a time, 1..64.
@@ -138,8 +145,9 @@ class SceneRepository {
   // What a loader does: tasks first, then loads.
   void RunLoader(const std::stop_token& stop);
   void RunJob(const SceneTable::Job& job, const std::stop_token& stop);
-  absl::StatusOr<std::unique_ptr<localizer::Localizer>> OpenModel(
-      const ModelRef& model, const std::stop_token& stop);
+  // nullopt: it takes more memory than was set aside, and is loaded later.
+  std::optional<absl::StatusOr<std::unique_ptr<localizer::Localizer>>>
+  OpenModel(const SceneTable::Job& job, const std::stop_token& stop);
   void RunPoll(const std::stop_token& stop);
   void LoadNow(const std::string& name, const std::string& version,
                StatusDone done);

@@ -56,6 +56,31 @@ class SceneRepositoryTest : public testing::Test {
   std::unique_ptr<SceneRepository> repository_;
 };
 
+TEST_F(SceneRepositoryTest, ModelsCountWithWhatTheyTakeInMemory) {
+  source_->Put("kitchen", "1", "good kitchen", 5);
+  source_->Put("hall", "1", "good hall", 5);
+  source_->Put("office", "1", "bad office", 5);
+  RepositoryOptions options;
+  options.memory_budget_bytes = 20;
+  options.read_memory_bytes =
+      [](const std::string& path) -> absl::StatusOr<uint64_t> {
+    if (path == "bad office") return absl::DataLossError("no header");
+    return path == "good hall" ? 21 : 15;
+  };
+  Open(options);
+  ASSERT_TRUE(repository_->Acquire("kitchen", "").ok());
+  EXPECT_EQ(repository_->Stats().resident_bytes, 15u);
+  EXPECT_EQ(repository_->Get("kitchen")->resident_bytes, 15u);
+  const auto hall = repository_->Acquire("hall", "");
+  EXPECT_EQ(base::ErrorInfoOf(hall.status()).reason, kMemoryBudget);
+  EXPECT_THAT(hall.status().ToString(), HasSubstr("21 bytes"));
+  // What is wrong with a file, its opening says.
+  EXPECT_EQ(
+      base::ErrorInfoOf(repository_->Acquire("office", "").status()).reason,
+      kModelCorrupt);
+  EXPECT_TRUE(repository_->Acquire("kitchen", "").ok());
+}
+
 TEST_F(SceneRepositoryTest, LoadsAtFirstUse) {
   source_->Put("kitchen", "1", "good kitchen", 5);
   source_->Put("office", "1", "good office", 7);

@@ -77,17 +77,18 @@ std::optional<SceneTable::Job> SceneTable::NextJob(uint64_t resident_bytes,
     SceneEntry& entry = scenes_.at(key.scene);
     ModelVersion& version = entry.loading(key.version);
     const ModelRef& model = version.model();
-    if (budget_.IsTooLarge(model.bytes)) {
+    if (budget_.IsTooLarge(model.reserved_bytes())) {
       shared_.queue.erase(place);
-      entry.Refuse(key.version,
-                   LargerThanBudget(model.bytes, budget_.limit_bytes()), now,
-                   effects);
+      entry.Refuse(
+          key.version,
+          LargerThanBudget(model.reserved_bytes(), budget_.limit_bytes()), now,
+          effects);
       continue;
     }
-    if (budget_.Fits(claimed_bytes + model.bytes, resident_bytes)) {
+    if (budget_.Fits(claimed_bytes + model.reserved_bytes(), resident_bytes)) {
       shared_.queue.erase(place);
       version.Begin();
-      budget_.Reserve(model.bytes);
+      budget_.Reserve(model.reserved_bytes());
       return Job{model};
     }
     if (version.purpose() == LoadPurpose::kIfItFits) {
@@ -100,7 +101,7 @@ std::optional<SceneTable::Job> SceneTable::NextJob(uint64_t resident_bytes,
       if (!effects.released.empty()) return std::nullopt;
       is_first = false;
     }
-    claimed_bytes += model.bytes;
+    claimed_bytes += model.reserved_bytes();
     ++i;
   }
   return std::nullopt;
@@ -119,17 +120,26 @@ void SceneTable::MakeRoom(const ModelRef& model, uint64_t resident_bytes,
                       .is_same_scene = name == model.scene});
     }
   }
-  for (const size_t i : budget_.ChooseToGo(held, model.bytes, resident_bytes)) {
+  for (const size_t i :
+       budget_.ChooseToGo(held, model.reserved_bytes(), resident_bytes)) {
     const auto& [entry, version] = versions[i];
     entry->Evict(*version, effects);
   }
+}
+
+void SceneTable::Postpone(const Job& job, uint64_t memory_bytes) {
+  budget_.Return(job.model.reserved_bytes());
+  scenes_.at(job.model.scene)
+      .loading(job.model.version)
+      .Postpone(job.model, memory_bytes);
+  shared_.queue.push_front({job.model.scene, job.model.version});
 }
 
 void SceneTable::Finish(
     const Job& job,
     absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer,
     double seconds, base::MonotonicTime now, Effects& effects) {
-  budget_.Return(job.model.bytes);
+  budget_.Return(job.model.reserved_bytes());
   load_times_.Add(seconds);
   SceneEntry& entry = scenes_.at(job.model.scene);
   entry.Finish(job.model, std::move(localizer), seconds, now, effects);

@@ -60,6 +60,9 @@ class SceneTable {
   // ask again when that has been destroyed; otherwise, when something changes.
   std::optional<Job> NextJob(uint64_t resident_bytes, base::MonotonicTime now,
                              Effects& effects);
+  // Instead of Finish: the model is known to take `memory_bytes`, more than was
+  // set aside for it. The load begins again as soon as there is room for that.
+  void Postpone(const Job& job, uint64_t memory_bytes);
   void Finish(
       const Job& job,
       absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer,

@@ -56,10 +56,10 @@ class SceneTableTest : public testing::Test {
     if (!opened.ok()) {
       localizer = opened.status();
     } else {
-      resident_ += job.model.bytes;
+      resident_ += job.model.reserved_bytes();
       localizer = std::shared_ptr<const localizer::Localizer>(
-          opened->release(),
-          [this, bytes = job.model.bytes](const localizer::Localizer* gone) {
+          opened->release(), [this, bytes = job.model.reserved_bytes()](
+                                 const localizer::Localizer* gone) {
             delete gone;
             resident_ -= bytes;
           });

@@ -76,6 +76,44 @@ TEST_F(BudgetTest, AModelThatIsLargerThanTheBudgetIsRefusedAndNothingGoes) {
   EXPECT_THAT(InMemory(), ElementsAre("a"));
 }
 
+// As files are that are shorter than what they hold.
+TEST_F(BudgetTest, AModelThatTakesMoreThanItsFileWaitsForRoomForThat) {
+  source_.Put("a", "1", "good", 6);
+  source_.Put("b", "1", "good", 3);
+  Rescan();
+  Answer("a");
+  auto waiting = Ask("b");
+  const auto job = Next();
+  ASSERT_TRUE(job);
+  table_.Postpone(*job, 7);
+  EXPECT_FALSE(waiting->answered);
+  EXPECT_FALSE(table_.is_settled());
+  EXPECT_THAT(RunLoads(), ElementsAre("b/1"));
+  EXPECT_TRUE(waiting->answered);
+  EXPECT_THAT(InMemory(), ElementsAre("b"));
+  EXPECT_EQ(resident_, 7u);
+  EXPECT_TRUE(table_.is_settled());
+  waiting.reset();
+  // What is known of it stays known while its file is the same.
+  Rescan();
+  Answer("a");
+  EXPECT_THAT(InMemory(), ElementsAre("a"));
+}
+
+TEST_F(BudgetTest, AModelThatTakesMoreThanTheBudgetIsRefusedWhateverItsFile) {
+  source_.Put("a", "1", "good", 3);
+  Rescan();
+  const auto asked = Ask("a");
+  table_.Postpone(*Next(), 11);
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  ASSERT_TRUE(asked->answered);
+  EXPECT_EQ(base::ErrorInfoOf(asked->scene.status()).reason, kMemoryBudget);
+  // Another file of the version may be smaller.
+  source_.Put("a", "1", "good", 4);
+  Rescan();
+  EXPECT_EQ(Answer("a"), "1");
+}
+
 TEST_F(BudgetTest, WhatAQueryUsesCountsUntilTheQueryEnds) {
   source_.Put("a", "1", "good", 8);
   source_.Put("b", "1", "good", 8);

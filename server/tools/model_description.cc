@@ -59,6 +59,9 @@ DescriptionSection Size(const forest::ModelInfo& model) {
   DescriptionSection section{"Size", {}};
   const char* place = model.format_version > 0 ? "file" : "memory";
   section.rows.push_back({place, FormatBytes(model.file_bytes)});
+  if (model.memory_bytes > 0) {
+    section.rows.push_back({"memory", FormatBytes(model.memory_bytes)});
+  }
   if (model.trees > 0) {
     section.rows.push_back({"trees", FormatCount(model.trees)});
     section.rows.push_back({"nodes", FormatCount(model.nodes)});
@@ -110,6 +113,41 @@ std::vector<DescriptionSection> DescribeModel(const forest::ModelInfo& model) {
     }
   }
   return sections;
+}
+
+DescriptionSection DescribeSizes(
+    std::span<const forest::SectionSize> sections) {
+  // The number of each kind is docs/reference/model-format.md's.
+  struct Group {
+    const char* name;
+    std::vector<uint32_t> kinds;
+    uint64_t file_bytes = 0;
+    uint64_t memory_bytes = 0;
+  };
+  std::vector<Group> groups = {{"splits of trees", {3, 4}},
+                               {"descriptors of leaves", {5, 7}},
+                               {"positions of leaves", {2, 6, 14}},
+                               {"points of keyframes", {8, 9}},
+                               {"features of keyframes", {10, 12, 13}},
+                               {"appearance", {11}},
+                               {"information", {}}};
+  for (const forest::SectionSize& section : sections) {
+    const auto group = std::ranges::find_if(groups, [&](const Group& g) {
+      return g.kinds.empty() || std::ranges::count(g.kinds, section.kind) > 0;
+    });
+    group->file_bytes += section.file_bytes;
+    group->memory_bytes += section.memory_bytes;
+  }
+  DescriptionSection described{"What takes it", {}};
+  for (const Group& group : groups) {
+    if (group.file_bytes == 0) continue;
+    std::string size = FormatBytes(group.file_bytes);
+    if (group.memory_bytes != group.file_bytes) {
+      absl::StrAppend(&size, ", in memory ", FormatBytes(group.memory_bytes));
+    }
+    described.rows.emplace_back(group.name, std::move(size));
+  }
+  return described;
 }
 
 std::string DescriptionText(const std::vector<DescriptionSection>& sections) {

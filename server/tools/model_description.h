@@ -3,10 +3,12 @@
 #define SERVER_TOOLS_MODEL_DESCRIPTION_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "server/core/forest/model_file.h"
 #include "server/core/forest/model_info.h"
 
 namespace treeline::tools {
@@ -22,6 +24,9 @@ struct DescriptionSection {
 // Everything in `model`, in the order in which a person asks: where it comes
 // from, how large it is, how its cameras are calibrated, how it was trained.
 std::vector<DescriptionSection> DescribeModel(const forest::ModelInfo& model);
+
+// What takes the bytes of a model's file, and what that becomes in memory.
+DescriptionSection DescribeSizes(std::span<const forest::SectionSize> sections);
 
 // The sections as aligned plain text, one row a line.
 std::string DescriptionText(const std::vector<DescriptionSection>& sections);

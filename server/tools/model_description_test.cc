@@ -26,6 +26,20 @@ TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
   EXPECT_THAT(text, HasSubstr("PINHOLE 585 585 320 240, 640 x 480"));
 }
 
+TEST(DescribeSizes, NamesWhatTakesTheFile) {
+  const std::vector<forest::SectionSize> sections = {
+      {.kind = 1, .file_bytes = 2000, .memory_bytes = 2000},
+      {.kind = 4, .file_bytes = 300000, .memory_bytes = 700000},
+      {.kind = 4, .forest = 1, .file_bytes = 100000, .memory_bytes = 200000},
+      {.kind = 99, .file_bytes = 1000, .memory_bytes = 1000}};
+  const DescriptionSection described = DescribeSizes(sections);
+  EXPECT_THAT(
+      described.rows,
+      testing::ElementsAre(
+          DescriptionRow{"splits of trees", "400.0 kB, in memory 900.0 kB"},
+          DescriptionRow{"information", "3.0 kB"}));
+}
+
 TEST(Format, WritesCountsBytesAndOddNumbers) {
   EXPECT_EQ(FormatCount(0), "0");
   EXPECT_EQ(FormatCount(999), "999");

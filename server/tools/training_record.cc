@@ -20,6 +20,7 @@ std::vector<std::pair<std::string, std::string>> RecordedOptions(
           {"balanced-levels", absl::StrCat(t.balanced_levels)},
           {"max-depth", absl::StrCat(t.max_depth)},
           {"min-leaf-samples", absl::StrCat(t.min_leaf_samples)},
+          {"min-kept-samples", absl::StrCat(t.min_kept_samples)},
           {"min-spread", absl::StrCat(t.min_spread_m)},
           {"split-candidates", absl::StrCat(t.split_candidates)},
           {"max-offset", absl::StrCat(t.max_offset_px_m)},

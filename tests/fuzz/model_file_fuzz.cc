@@ -1,5 +1,5 @@
 // Model files as arbitrary bytes: refused, or safe to predict with. The header
-// is completed first (magic, version, length, checksum), so that mutations
+// is completed first (magic, version, lengths, checksum), so that mutations
 // reach what lies behind it.
 #include <unistd.h>
 #include <xxhash.h>
@@ -22,11 +22,39 @@ namespace treeline {
 namespace {
 
 constexpr size_t kHeader_bytes = 64;
+constexpr size_t kSection_bytes = 24;
+constexpr uint64_t kLongestExtra_bytes = 1 << 20;
+
+// What the sections say that they take in memory;
+// docs/reference/model-format.md has the rule.
+uint64_t MemoryBytes(const std::string& file) {
+  const auto number_at = [&](uint64_t offset, size_t bytes) {
+    uint64_t value = 0;
+    if (offset <= file.size() && bytes <= file.size() - offset) {
+      std::memcpy(&value, file.data() + offset, bytes);
+    }
+    return value;
+  };
+  const uint64_t sections = number_at(12, 4);
+  uint64_t end = kHeader_bytes + kSection_bytes * sections;
+  for (uint64_t i = 0; i < sections && i < 64; ++i) {
+    const uint64_t entry = kHeader_bytes + kSection_bytes * i;
+    const bool is_packed = (number_at(entry, 4) >> 31) != 0;
+    end = (end + 63) / 64 * 64 + (is_packed
+                                      ? number_at(number_at(entry + 8, 8), 8)
+                                      : number_at(entry + 16, 8));
+  }
+  return end;
+}
 
 void CompleteHeader(std::string& file) {
   if (file.size() < kHeader_bytes) return;
-  const uint32_t version = forest::kModelFormatVersion;
+  const uint32_t version = file[8] == 1 ? 1 : forest::kModelFormatVersion;
   const uint64_t size = file.size();
+  if (version > 1) {
+    const uint64_t memory = MemoryBytes(file);
+    std::memcpy(file.data() + 32, &memory, 8);
+  }
   uint64_t checksum = 0;
   std::memcpy(file.data(), "TREELINE", 8);
   std::memcpy(file.data() + 8, &version, 4);
@@ -69,8 +97,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   // One section alone, whatever the rest is.
   for (const uint32_t kind : {8u, 9u, 10u, 11u}) {
     const auto extra = treeline::forest::ReadModelExtra(
-        path, static_cast<treeline::forest::ModelExtra>(kind), 1 << 20);
-    if (extra.ok() && extra->size() > file.size()) std::abort();
+        path, static_cast<treeline::forest::ModelExtra>(kind),
+        treeline::kLongestExtra_bytes);
+    if (extra.ok() && extra->size() > treeline::kLongestExtra_bytes) {
+      std::abort();
+    }
   }
   const auto part = treeline::training::ReadTreePart(path);
   unlink(path.c_str());

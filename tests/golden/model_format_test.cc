@@ -5,7 +5,10 @@
 // next golden file, and keep the old ones readable.
 #include <unistd.h>
 
+#include <cstring>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "common/base/file.h"
 #include "gtest/gtest.h"
@@ -14,9 +17,8 @@
 namespace treeline {
 namespace {
 
-std::string GoldenPath(int version) {
-  return std::string(TREELINE_GOLDEN_FOLDER) + "/model-v" +
-         std::to_string(version) + ".bin";
+std::string GoldenPath(const std::string& name) {
+  return std::string(TREELINE_GOLDEN_FOLDER) + "/model-v" + name + ".bin";
 }
 
 // What the golden files hold: two trees, one with a split and one without.
@@ -37,6 +39,38 @@ forest::Forest GoldenForest() {
   return forest;
 }
 
+// What the packed one holds: a tree of 256 leaves, each a number in base 2.
+forest::Forest LargerGoldenForest() {
+  forest::Forest forest;
+  const auto grow = [&](const auto& self, uint32_t leaves) -> void {
+    if (leaves == 1) {
+      const auto n = static_cast<uint16_t>(forest.payloads.size());
+      forest.nodes.push_back(forest::Node::Leaf(n));
+      forest.descriptors.emplace_back().values[3] =
+          static_cast<int8_t>(n % 7 - 3);
+      forest.payloads.push_back({{n, 7, static_cast<uint16_t>(9 * n)}, {}, 5});
+      return;
+    }
+    const size_t split = forest.nodes.size();
+    forest.nodes.emplace_back();
+    self(self, leaves / 2);
+    forest.nodes[split] =
+        forest::Node::Split({static_cast<int16_t>(leaves), -3, 1, 2}, -9,
+                            static_cast<uint32_t>(forest.nodes.size() - split));
+    self(self, leaves / 2);
+  };
+  grow(grow, 256);
+  forest.tree_offsets = {0, static_cast<uint32_t>(forest.nodes.size())};
+  forest.bounds_max_in_world = {1, 2, 3};
+  return forest;
+}
+
+template <typename T>
+bool SameBytes(std::span<const T> a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
 forest::ModelInfo GoldenInfo() {
   forest::ModelInfo info;
   info.method = "rgbd";
@@ -55,11 +89,16 @@ forest::ModelInfo GoldenInfo() {
   return info;
 }
 
-TEST(ModelFormatTest, Version1IsRead) {
-  const auto model = forest::ModelFile::Open(GoldenPath(1));
+class EveryVersionTest : public testing::TestWithParam<uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Written, EveryVersionTest, testing::Values(1u, 2u));
+
+TEST_P(EveryVersionTest, IsRead) {
+  const auto model =
+      forest::ModelFile::Open(GoldenPath(std::to_string(GetParam())));
   ASSERT_TRUE(model.ok()) << model.status();
   const forest::ModelInfo& info = (*model)->info();
-  EXPECT_EQ(info.format_version, 1u);
+  EXPECT_EQ(info.format_version, GetParam());
+  EXPECT_EQ(info.memory_bytes, info.file_bytes);  // nothing is packed
   EXPECT_EQ(info.trees, 2);
   EXPECT_EQ(info.leaves, 3);
   EXPECT_EQ(info.seed, GoldenInfo().seed);
@@ -84,6 +123,18 @@ TEST(ModelFormatTest, Version1IsRead) {
   EXPECT_EQ(forest.LeafMean(0).z, 4);
 }
 
+// How short a section becomes is zstd's affair, what it becomes is not.
+TEST(ModelFormatTest, PackedSectionsAreRead) {
+  const auto model = forest::ModelFile::Open(GoldenPath("2-packed"));
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_GT((*model)->info().memory_bytes, 5 * (*model)->info().file_bytes);
+  const forest::Forest expected = LargerGoldenForest();
+  const forest::ForestView& forest = (*model)->forest();
+  EXPECT_TRUE(SameBytes(forest.nodes, expected.nodes));
+  EXPECT_TRUE(SameBytes(forest.descriptors, expected.descriptors));
+  EXPECT_TRUE(SameBytes(forest.payloads, expected.payloads));
+}
+
 TEST(ModelFormatTest, TheCurrentVersionIsWrittenByteForByte) {
   const std::string path =
       testing::TempDir() + "/model_format_" + std::to_string(getpid());
@@ -92,7 +143,8 @@ TEST(ModelFormatTest, TheCurrentVersionIsWrittenByteForByte) {
   const auto written = base::ReadFile(path);
   unlink(path.c_str());
   ASSERT_TRUE(written.ok());
-  const auto golden = base::ReadFile(GoldenPath(forest::kModelFormatVersion));
+  const auto golden =
+      base::ReadFile(GoldenPath(std::to_string(forest::kModelFormatVersion)));
   ASSERT_TRUE(golden.ok()) << golden.status();
   EXPECT_EQ(*written, *golden);
 }

@@ -14,12 +14,13 @@
 #include "common/base/input_file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_info_json.h"
+#include "server/core/forest/section_packing.h"
 
 namespace treeline::forest {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "the file is little-endian and read in place");
+              "the file is little-endian and used as it is in memory");
 
 constexpr char kMagic[8] = {'T', 'R', 'E', 'E', 'L', 'I', 'N', 'E'};
 constexpr uint64_t kAlignment = 64;
@@ -33,7 +34,10 @@ struct Header {
   uint32_t sections;
   uint64_t file_bytes;
   uint64_t checksum;  // see ChecksumSeed
-  uint8_t reserved[32];
+  // From version 2 on: of the header, the table and all sections, unpacked and
+  // in the table's order, each aligned: what a reader needs.
+  uint64_t memory_bytes;
+  uint8_t reserved[24];
 };
 static_assert(sizeof(Header) == 64);
 
@@ -48,6 +52,8 @@ enum SectionKind : uint32_t {
   kSiftDescriptors = 7,
 };
 constexpr uint32_t kFirstExtra = 8;
+// Of a section's kind: it is packed (section_packing.h).
+constexpr uint32_t kPacked = 0x80000000u;
 constexpr uint32_t kMaxForests = 8;
 
 struct Section {
@@ -80,8 +86,55 @@ uint64_t ChecksumSeed(Header header) {
   return XXH3_64bits(&header, sizeof(header));
 }
 
+uint64_t MemoryBytes(const Header& header) {
+  return header.version == 1 ? header.file_bytes : header.memory_bytes;
+}
+
 absl::Status Corrupt(absl::string_view what) {
   return absl::DataLossError(absl::StrCat("corrupt model: ", what));
+}
+
+constexpr PackedField kByte{};
+constexpr PackedField kDelta16{.width = 2, .is_delta = true};
+constexpr PackedField kDelta32{.width = 4, .is_delta = true};
+
+RecordFields ThenBytes(RecordFields fields, size_t bytes) {
+  fields.resize(fields.size() + bytes, kByte);
+  return fields;
+}
+
+// How each kind of section is packed; none: it never is.
+RecordFields FieldsOf(uint32_t kind) {
+  switch (kind) {
+    case kDescriptors:
+      return FieldsAlike(64, kByte);
+    case kPayloads:
+      return ThenBytes(FieldsAlike(3, kDelta16), 14);
+    case kSiftDescriptors:
+    case static_cast<uint32_t>(ModelExtra::kKeyframeWords):
+      return FieldsAlike(128, kByte);
+    case static_cast<uint32_t>(ModelExtra::kKeyframes):
+      return FieldsAlike(64, kByte);
+    case static_cast<uint32_t>(ModelExtra::kKeyframePoints):
+      return ThenBytes(FieldsAlike(3, kDelta32), 8);
+    case static_cast<uint32_t>(ModelExtra::kKeyframeFeatures): {
+      RecordFields fields = FieldsAlike(12, kByte);
+      fields.push_back(kDelta32);
+      return ThenBytes(std::move(fields), 128);
+    }
+    case static_cast<uint32_t>(ModelExtra::kSceneDescriptor):
+      return {kByte};
+    case static_cast<uint32_t>(ModelExtra::kKeyframeFeatureWords):
+      return FieldsAlike(2, kByte);
+    default:
+      return {};
+  }
+}
+
+// Empty: it stays as it is.
+std::string Pack(uint32_t kind, absl::string_view section) {
+  return kind == kNodes ? PackNodes(section)
+                        : PackRecords(section, FieldsOf(kind));
 }
 
 // Null if there is none.
@@ -89,7 +142,7 @@ const Section* FindSection(std::span<const Section> sections, uint32_t kind,
                            uint32_t forest) {
   const auto found =
       std::ranges::find_if(sections, [&](const Section& section) {
-        return section.kind == kind && section.forest == forest;
+        return (section.kind & ~kPacked) == kind && section.forest == forest;
       });
   return found == sections.end() ? nullptr : &*found;
 }
@@ -189,7 +242,70 @@ absl::StatusOr<Header> ReadHeader(const base::InputFile& file) {
       sizeof(header) + header.sections * sizeof(Section) > file.size()) {
     return Corrupt("bad section table");
   }
+  if (MemoryBytes(header) > kMaxModelMemory_bytes) {
+    return Corrupt(absl::StrCat("it would take ", MemoryBytes(header),
+                                " bytes in memory"));
+  }
   return header;
+}
+
+// The section as the file has it.
+absl::string_view BytesAt(std::span<const uint8_t> file,
+                          const Section& section) {
+  return {reinterpret_cast<const char*>(file.data()) + section.offset,
+          section.bytes};
+}
+
+// Where sections lie when all are unpacked, and what that takes.
+struct UnpackedPlaces {
+  std::vector<Section> sections;
+  uint64_t memory_bytes = 0;
+};
+
+absl::StatusOr<UnpackedPlaces> PlacesInMemory(
+    std::span<const uint8_t> file, std::span<const Section> sections) {
+  UnpackedPlaces places;
+  places.memory_bytes = sizeof(Header) + sections.size_bytes();
+  for (const Section& section : sections) {
+    TL_RETURN_IF_ERROR(CheckPlace(section, file.size()));
+    uint64_t bytes = section.bytes;
+    if ((section.kind & kPacked) != 0) {
+      TL_ASSIGN_OR_RETURN(bytes, UnpackedBytes(BytesAt(file, section)));
+    }
+    const uint64_t offset = Align(places.memory_bytes);
+    if (bytes > kMaxModelMemory_bytes ||
+        offset + bytes > kMaxModelMemory_bytes) {
+      return Corrupt("its sections would take too much memory");
+    }
+    places.sections.push_back(
+        {section.kind & ~kPacked, section.forest, offset, bytes});
+    places.memory_bytes = offset + bytes;
+  }
+  return places;
+}
+
+// The file as it were without packed sections.
+absl::StatusOr<ModelMemory> Unpack(std::span<const uint8_t> file,
+                                   std::span<const Section> sections,
+                                   const UnpackedPlaces& places) {
+  TL_ASSIGN_OR_RETURN(ModelMemory memory,
+                      ModelMemory::Allocate(places.memory_bytes));
+  const std::span<uint8_t> out = memory.writable();
+  std::memcpy(out.data(), file.data(), sizeof(Header));
+  std::memcpy(out.data() + sizeof(Header), places.sections.data(),
+              places.sections.size() * sizeof(Section));
+  for (size_t i = 0; i < sections.size(); ++i) {
+    const absl::string_view bytes = BytesAt(file, sections[i]);
+    const Section& place = places.sections[i];
+    if ((sections[i].kind & kPacked) != 0) {
+      TL_RETURN_IF_ERROR(
+          UnpackSection(bytes, out.subspan(place.offset, place.bytes)));
+    } else if (!bytes.empty()) {
+      std::memcpy(out.data() + place.offset, bytes.data(), bytes.size());
+    }
+  }
+  memory.Seal();
+  return memory;
 }
 
 // All bytes of the file behind `header`, which was read from it, at their
@@ -218,19 +334,56 @@ absl::StatusOr<ModelMemory> ReadVerified(const base::InputFile& file,
   return memory;
 }
 
+// The file of sections with these contents, packed where that is shorter.
+std::string Assemble(std::vector<Section> table,
+                     std::vector<absl::string_view> contents) {
+  uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
+  uint64_t memory_end = end;
+  std::vector<std::string> packed(table.size());
+  for (size_t i = 0; i < table.size(); ++i) {
+    memory_end = Align(memory_end) + contents[i].size();
+    packed[i] = Pack(table[i].kind, contents[i]);
+    if (!packed[i].empty()) {
+      table[i].kind |= kPacked;
+      contents[i] = packed[i];
+    }
+    table[i].offset = Align(end);
+    table[i].bytes = contents[i].size();
+    end = table[i].offset + table[i].bytes;
+  }
+  std::string file(end, '\0');
+  std::memcpy(file.data() + sizeof(Header), table.data(),
+              table.size() * sizeof(Section));
+  for (size_t i = 0; i < table.size(); ++i) {
+    if (contents[i].empty()) continue;  // of which there may be no address
+    std::memcpy(file.data() + table[i].offset, contents[i].data(),
+                contents[i].size());
+  }
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  header.version = kModelFormatVersion;
+  header.sections = static_cast<uint32_t>(table.size());
+  header.file_bytes = end;
+  header.memory_bytes = memory_end;
+  header.checksum =
+      XXH3_64bits_withSeed(file.data() + sizeof(header),
+                           file.size() - sizeof(header), ChecksumSeed(header));
+  std::memcpy(file.data(), &header, sizeof(header));
+  return file;
+}
+
 geometry::Vec3 Least(geometry::Vec3 a, geometry::Vec3 b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 
 }  // namespace
 
-absl::Status WriteModel(const std::string& path, const ModelInfo& info,
-                        const std::vector<ForestView>& forests,
-                        std::span<const ModelExtraBytes> extras) {
+absl::StatusOr<std::string> EncodeModel(
+    const ModelInfo& info, const std::vector<ForestView>& forests,
+    std::span<const ModelExtraBytes> extras) {
   if (forests.empty() || forests.size() > kMaxForests) {
     return absl::InvalidArgumentError("a model has 1 to 8 forests");
   }
-  TL_RETURN_IF_ERROR(base::CheckWritable(path));
   const std::string info_json = ModelInfoToJson(info);
   std::vector<Bounds> bounds;
   std::vector<Section> table{{kInfo, 0, 0, 0}};
@@ -259,32 +412,17 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
   for (const ModelExtraBytes& extra : extras) {
     add(static_cast<uint32_t>(extra.kind), 0, extra.bytes);
   }
-  uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
-  for (size_t i = 0; i < table.size(); ++i) {
-    table[i].offset = Align(end);
-    table[i].bytes = contents[i].size();
-    end = table[i].offset + table[i].bytes;
-  }
-  std::string file(end, '\0');
-  std::memcpy(file.data() + sizeof(Header), table.data(),
-              table.size() * sizeof(Section));
-  for (size_t i = 0; i < table.size(); ++i) {
-    if (contents[i].empty()) continue;  // of which there may be no address
-    std::memcpy(file.data() + table[i].offset, contents[i].data(),
-                contents[i].size());
-  }
-  Header header{};
-  std::memcpy(header.magic, kMagic, sizeof(kMagic));
-  header.version = kModelFormatVersion;
-  header.sections = static_cast<uint32_t>(table.size());
-  header.file_bytes = end;
-  header.checksum =
-      XXH3_64bits_withSeed(file.data() + sizeof(header),
-                           file.size() - sizeof(header), ChecksumSeed(header));
-  std::memcpy(file.data(), &header, sizeof(header));
-  return base::WriteFileAtomically(path, file);
+  return Assemble(std::move(table), std::move(contents));
 }
 
+absl::Status WriteModel(const std::string& path, const ModelInfo& info,
+                        const std::vector<ForestView>& forests,
+                        std::span<const ModelExtraBytes> extras) {
+  TL_RETURN_IF_ERROR(base::CheckWritable(path));
+  TL_ASSIGN_OR_RETURN(const std::string file,
+                      EncodeModel(info, forests, extras));
+  return base::WriteFileAtomically(path, file);
+}
 absl::StatusOr<std::unique_ptr<const ModelFile>> ModelFile::Open(
     const std::string& path) {
   TL_ASSIGN_OR_RETURN(const base::InputFile file, base::InputFile::Open(path));
@@ -298,11 +436,29 @@ absl::StatusOr<std::unique_ptr<const ModelFile>> ModelFile::Open(
 absl::Status ModelFile::Read(const base::InputFile& file) {
   TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
   TL_ASSIGN_OR_RETURN(memory_, ReadVerified(file, header));
-  const std::span<const uint8_t> bytes = memory_.bytes();
-  const std::span<const Section> sections = {
-      reinterpret_cast<const Section*>(bytes.data() + sizeof(header)),
-      header.sections};
-  const SectionReader reader(bytes, sections);
+  const auto table = [&] {
+    return std::span<const Section>(
+        reinterpret_cast<const Section*>(memory_.bytes().data() +
+                                         sizeof(header)),
+        header.sections);
+  };
+  for (const Section& section : table()) {
+    sizes_.push_back({section.kind & ~kPacked, section.forest, section.bytes,
+                      section.bytes});
+  }
+  if (header.version > 1) {
+    TL_ASSIGN_OR_RETURN(const UnpackedPlaces places,
+                        PlacesInMemory(memory_.bytes(), table()));
+    if (places.memory_bytes != header.memory_bytes) {
+      return Corrupt("it takes other memory than it says");
+    }
+    for (size_t i = 0; i < sizes_.size(); ++i) {
+      sizes_[i].memory_bytes = places.sections[i].bytes;
+    }
+    TL_ASSIGN_OR_RETURN(memory_, Unpack(memory_.bytes(), table(), places));
+  }
+  const std::span<const Section> sections = table();
+  const SectionReader reader(memory_.bytes(), sections);
   std::span<const char> info_json;
   TL_RETURN_IF_ERROR(reader.Read(kInfo, 0, info_json));
   TL_ASSIGN_OR_RETURN(info_,
@@ -328,7 +484,8 @@ absl::Status ModelFile::Read(const base::InputFile& file) {
     info_.nodes += static_cast<int64_t>(forest.nodes.size());
     info_.leaves += static_cast<int64_t>(forest.payloads.size());
   }
-  info_.file_bytes = bytes.size();
+  info_.file_bytes = header.file_bytes;
+  info_.memory_bytes = MemoryBytes(header);
   info_.checksum = absl::StrFormat("%016x", header.checksum);
   return absl::OkStatus();
 }
@@ -336,6 +493,13 @@ absl::Status ModelFile::Read(const base::InputFile& file) {
 std::span<const char> ModelFile::ExtraBytes(ModelExtra kind) const {
   const auto found = extras_.find(static_cast<uint32_t>(kind));
   return found == extras_.end() ? std::span<const char>() : found->second;
+}
+
+absl::StatusOr<uint64_t> ReadModelMemoryBytes(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const base::InputFile file, base::InputFile::Open(path));
+  const absl::StatusOr<Header> header = ReadHeader(file);
+  if (!header.ok()) return base::Annotate(header.status(), path);
+  return MemoryBytes(*header);
 }
 
 absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
@@ -354,11 +518,18 @@ absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
                                               static_cast<uint32_t>(kind)));
     }
     TL_RETURN_IF_ERROR(CheckPlace(*section, file.size()));
+    // A packed section is shorter than what it becomes.
     if (section->bytes > max_bytes) return Corrupt("a section is too long");
     std::string bytes(section->bytes, '\0');
     TL_RETURN_IF_ERROR(
         file.ReadAt(section->offset, WritableBytes(std::span<char>(bytes))));
-    return bytes;
+    if ((section->kind & kPacked) == 0) return bytes;
+    TL_ASSIGN_OR_RETURN(const uint64_t unpacked_bytes, UnpackedBytes(bytes));
+    if (unpacked_bytes > max_bytes) return Corrupt("a section is too long");
+    std::string unpacked(unpacked_bytes, '\0');
+    TL_RETURN_IF_ERROR(
+        UnpackSection(bytes, WritableBytes(std::span<char>(unpacked))));
+    return unpacked;
   };
   absl::StatusOr<std::string> bytes = read();
   if (!bytes.ok()) return base::Annotate(bytes.status(), path);

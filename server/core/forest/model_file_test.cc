@@ -1,6 +1,7 @@
 #include "server/core/forest/model_file.h"
 
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <cstring>
 #include <filesystem>
@@ -92,6 +93,87 @@ TEST_F(ModelFileTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(info.leaves, 3);
   EXPECT_EQ(info.file_bytes, std::filesystem::file_size(path_));
   EXPECT_EQ(info.checksum.size(), 16u);
+}
+
+// Enough leaves that sections become shorter.
+TEST_F(ModelFileTest, PackedSectionsComeBackToTheBit) {
+  base::Random random(5, 0);
+  forest_ = {};
+  for (uint32_t i = 0; i < 2000; ++i) {
+    if (i % 2 == 0) {
+      forest_.nodes.push_back(Node::Split(
+          {static_cast<int16_t>(random.NextBelow(700)), -7, 2, 1}, -3, 2));
+    }
+    forest_.nodes.push_back(Node::Leaf(i));
+    if (i % 2 == 1) {
+      forest_.tree_offsets.push_back(
+          static_cast<uint32_t>(forest_.nodes.size()));
+    }
+    forest_.descriptors.emplace_back().values[i % 60] =
+        static_cast<int8_t>(random.NextBelow(64));
+    forest_.payloads.push_back(
+        {{static_cast<uint16_t>(random.NextBelow(65536)), 65535, 0},
+         {1, 0x8002, 3, 4, 5, 6},
+         static_cast<uint16_t>(2 + i % 3)});
+  }
+  forest_.bounds_max_in_world = {2, 3, 4};
+  const std::string descriptor(50000, 'd');
+  ASSERT_TRUE(WriteModel(path_, info_, {forest_.View(), forest_.View()},
+                         std::vector<ModelExtraBytes>{
+                             {ModelExtra::kSceneDescriptor, descriptor},
+                             {ModelExtra::kKeyframePoints, "x"}})
+                  .ok());
+  const auto model = ModelFile::Open(path_);
+  ASSERT_TRUE(model.ok()) << model.status();
+  for (const size_t f : {0u, 1u}) {
+    const ForestView& forest = (*model)->forest(f);
+    ASSERT_EQ(forest.nodes.size(), forest_.nodes.size());
+    EXPECT_EQ(std::memcmp(forest.nodes.data(), forest_.nodes.data(),
+                          forest.nodes.size_bytes()),
+              0);
+    EXPECT_EQ(std::memcmp(forest.descriptors.data(), forest_.descriptors.data(),
+                          forest.descriptors.size_bytes()),
+              0);
+    EXPECT_EQ(std::memcmp(forest.payloads.data(), forest_.payloads.data(),
+                          forest.payloads.size_bytes()),
+              0);
+  }
+  const ModelInfo& info = (*model)->info();
+  EXPECT_LT(info.file_bytes, info.memory_bytes / 4);
+  EXPECT_EQ(*ReadModelMemoryBytes(path_), info.memory_bytes);
+  EXPECT_EQ(*ReadModelExtra(path_, ModelExtra::kSceneDescriptor, 50000),
+            descriptor);
+  EXPECT_TRUE(absl::IsDataLoss(
+      ReadModelExtra(path_, ModelExtra::kSceneDescriptor, 49999).status()));
+  // Whatever bytes it loses, and whatever bits change, it is found.
+  const std::string good = *base::ReadFile(path_);
+  for (size_t i = 0; i < good.size(); i += 997) {
+    EXPECT_TRUE(absl::IsDataLoss(OpenBytes(good.substr(0, i)))) << i;
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ 4);
+    EXPECT_FALSE(OpenBytes(bad).ok()) << i;
+  }
+}
+
+// What a budget counts with must be true.
+TEST_F(ModelFileTest, AFileThatTakesOtherMemoryThanItSaysIsCorrupt) {
+  std::string file = Written();
+  const auto with_memory = [&](uint64_t bytes) {
+    std::string changed = file;
+    std::memcpy(changed.data() + 32, &bytes, sizeof(bytes));
+    const uint64_t zero = 0;
+    std::memcpy(changed.data() + 24, &zero, sizeof(zero));
+    const uint64_t checksum =
+        XXH3_64bits_withSeed(changed.data() + 64, changed.size() - 64,
+                             XXH3_64bits(changed.data(), 64));
+    std::memcpy(changed.data() + 24, &checksum, sizeof(checksum));
+    return OpenBytes(changed);
+  };
+  EXPECT_TRUE(with_memory(file.size()).ok());
+  for (const uint64_t bytes : {uint64_t{0}, uint64_t{file.size() - 1},
+                               uint64_t{file.size() + 1}, ~uint64_t{0}}) {
+    EXPECT_TRUE(absl::IsDataLoss(with_memory(bytes))) << bytes;
+  }
 }
 
 TEST_F(ModelFileTest, KnowsWhoseFeaturesItsKeyframesHave) {
@@ -194,7 +276,7 @@ TEST_F(ModelFileTest, NamesTheFileAndTheReason) {
       OpenBytes(std::string(1000, 'a')).ToString(),
       testing::AllOf(HasSubstr(path_), HasSubstr("not a Treeline model file")));
   std::string newer = Written();
-  newer[8] = 2;
+  newer[8] = static_cast<char>(kModelFormatVersion + 1);
   const absl::Status status = OpenBytes(newer);
   EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
   EXPECT_THAT(status.ToString(), HasSubstr("newer than this software"));

@@ -61,6 +61,9 @@ struct ModelInfo {
   int64_t nodes = 0;
   int64_t leaves = 0;
   uint64_t file_bytes = 0;
+  // What the sections of the file take in memory: more than file_bytes where
+  // they are packed.
+  uint64_t memory_bytes = 0;
   // Checksum of the whole file, 16 hexadecimal digits: the model's identity.
   std::string checksum;
 };

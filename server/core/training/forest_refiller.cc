@@ -12,6 +12,7 @@
 #include "server/core/forest/backtracking.h"
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/quantize_forest.h"
+#include "server/core/training/tree_pruner.h"
 
 namespace treeline::training {
 namespace {
@@ -107,45 +108,6 @@ void AddToNearest(geometry::Vec3 point,
   }
 }
 
-// Copies a tree, leaving out leaves without modes and the splits above them.
-class Pruner {
- public:
-  Pruner(std::span<const forest::Node> nodes,
-         const std::vector<std::vector<Mode>>& modes)
-      : nodes_(nodes), modes_(modes) {}
-
-  // False: nothing is left of the subtree at `node`.
-  bool Copy(size_t node, GrownTree& tree) const {
-    const forest::Node& old = nodes_[node];
-    if (old.is_leaf()) {
-      const std::vector<Mode>& modes = modes_[node];
-      if (modes.empty()) return false;
-      tree.nodes.push_back(
-          forest::Node::Leaf(static_cast<uint32_t>(tree.leaves.size()),
-                             static_cast<uint32_t>(modes.size())));
-      for (const Mode& mode : modes) tree.leaves.push_back(mode.ToLeaf());
-      return true;
-    }
-    const size_t self = tree.nodes.size();
-    tree.nodes.emplace_back();
-    const bool left = Copy(node + 1, tree);
-    const size_t middle = tree.nodes.size();
-    const bool right = Copy(node + old.right_offset(), tree);
-    if (left && right) {
-      tree.nodes[self] = forest::Node::Split(
-          old.feature(), old.threshold(), static_cast<uint32_t>(middle - self));
-      return true;
-    }
-    // The side that is left takes the split's place: offsets are relative.
-    tree.nodes.erase(tree.nodes.begin() + static_cast<std::ptrdiff_t>(self));
-    return left || right;
-  }
-
- private:
-  const std::span<const forest::Node> nodes_;
-  const std::vector<std::vector<Mode>>& modes_;
-};
-
 GrownTree RefillTree(const forest::ForestView& base, int t, Refill refill,
                      const std::vector<std::vector<RoutedSamples>>& routed) {
   const std::span<const forest::Node> nodes = base.tree(t);
@@ -173,9 +135,11 @@ GrownTree RefillTree(const forest::ForestView& base, int t, Refill refill,
       of_leaf.erase(of_leaf.begin() + kMaxModes, of_leaf.end());
     }
   }
-  GrownTree tree;
-  Pruner(nodes, modes).Copy(0, tree);
-  return tree;
+  return TreeWithModes(nodes, [&](size_t node) {
+    std::vector<GrownLeaf> leaves;
+    for (const Mode& mode : modes[node]) leaves.push_back(mode.ToLeaf());
+    return leaves;
+  });
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/quantize_forest.h"
 #include "server/core/training/tree_grower.h"
+#include "server/core/training/tree_pruner.h"
 
 namespace treeline::training {
 namespace {
@@ -238,7 +239,9 @@ absl::Status Trainer::GrowGroup(int first, int last,
                     });
   TL_RETURN_IF_ERROR(CheckStop());
   for (size_t g = 0; g < trees; ++g) {
-    result_.trees.push_back(growers[g]->Assemble());
+    result_.trees.push_back(
+        PruneTree(growers[g]->Assemble(),
+                  static_cast<uint32_t>(options_.min_kept_samples)));
     result_.samples += static_cast<int64_t>(samples[g].size());
   }
   return absl::OkStatus();

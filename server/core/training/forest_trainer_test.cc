@@ -61,8 +61,24 @@ bool SameBytes(const forest::Forest& a, const forest::Forest& b) {
          a.bounds_max_in_world == b.bounds_max_in_world;
 }
 
+TEST_F(ForestTrainerTest, SmallLeavesAreLeftOut) {
+  TrainingOptions options = Small();
+  options.min_kept_samples = 3;
+  const auto trained = Train(options);
+  ASSERT_TRUE(trained.ok()) << trained.status();
+  const forest::ForestView forest = trained->forest.View();
+  EXPECT_TRUE(forest.Validate().ok()) << forest.Validate();
+  options.min_kept_samples = 1;
+  EXPECT_LT(forest.payloads.size(), Train(options)->forest.payloads.size());
+  for (const forest::LeafPayload& leaf : forest.payloads) {
+    EXPECT_GE(leaf.count, 3);
+  }
+}
+
 TEST_F(ForestTrainerTest, GrowsASoundForestWithinTheRoom) {
-  const auto trained = Train(Small());
+  TrainingOptions options = Small();
+  options.min_kept_samples = 1;
+  const auto trained = Train(options);
   ASSERT_TRUE(trained.ok()) << trained.status();
   EXPECT_EQ(trained->frames, 12);
   EXPECT_EQ(trained->samples, 3 * 12 * 200);

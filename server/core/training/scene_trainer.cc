@@ -89,11 +89,23 @@ bool HaveForestsAlike(absl::string_view a, absl::string_view b) {
 // points-lines: leaves have modes with this bandwidth (m).
 constexpr double kModeBandwidth_m = 0.05;
 
+// Where it was measured (docs/research/model-size.md), leaves with fewer
+// samples are left out.
+int MinKeptSamples(absl::string_view method, bool splits_only) {
+  constexpr int kFew = 5;
+  // A base for other scenes keeps the places of leaves that those may fill.
+  return !splits_only && (method == "universal" || method == "rgbd") ? kFew : 1;
+}
+
 // Options of each forest of a method (ModelFile::forest): one or, for
 // points-lines, that of general points and that of points on lines.
 std::vector<TrainingOptions> ForestsOf(absl::string_view method,
-                                       TrainingOptions options) {
+                                       TrainingOptions options,
+                                       bool splits_only) {
   options.depth_adaptive = !SeesColorAlone(method);
+  if (options.min_kept_samples == 0) {
+    options.min_kept_samples = MinKeptSamples(method, splits_only);
+  }
   if (method != "points-lines") return {options};
   options.objective = SplitObjective::kEntropy;
   options.mode_bandwidth_m = kModeBandwidth_m;
@@ -124,7 +136,8 @@ class SceneTrainer {
         output_path_(output_path),
         quiet_(quiet),
         stop_(stop),
-        forests_(ForestsOf(options.method, options.forest)),
+        forests_(
+            ForestsOf(options.method, options.forest, options.splits_only)),
         parts_(std::move(parts)) {}
 
   absl::StatusOr<TrainedScene> Train() {

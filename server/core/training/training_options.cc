@@ -17,6 +17,8 @@ absl::Status TrainingOptions::Validate() const {
   TL_RETURN_IF_ERROR(base::CheckRange("maximum depth", max_depth, 1, 40));
   TL_RETURN_IF_ERROR(
       base::CheckRange("minimum leaf samples", min_leaf_samples, 1, 1000));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("minimum kept samples", min_kept_samples, 0, 1000));
   TL_RETURN_IF_ERROR(base::CheckRange("minimum spread", min_spread_m, 0, 10));
   TL_RETURN_IF_ERROR(
       base::CheckRange("split candidates", split_candidates, 1, 1000));

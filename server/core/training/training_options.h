@@ -34,6 +34,12 @@ struct TrainingOptions {
   int max_depth = 25;
   // A node with fewer samples than twice this is a leaf, in [1, 1000].
   int min_leaf_samples = 2;
+  // Leaves with fewer samples are left out of the tree once it is grown, and
+  // the splits above those that have none left, in [0, 1000]: what two or three
+  // samples share is chance, and most leaves have no more
+  // (docs/research/model-size.md). 0: all stay; TrainScene takes what serves
+  // the method.
+  int min_kept_samples = 0;
   // A node whose samples lie within this root mean square distance of their
   // mean is a leaf (m), in [0, 10].
   double min_spread_m = 0.05;

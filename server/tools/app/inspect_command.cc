@@ -115,6 +115,8 @@ absl::Status Inspect(const InspectFlags& flags) {
     return absl::OkStatus();
   }
   std::vector<tools::DescriptionSection> sections = tools::DescribeModel(info);
+  sections.insert(sections.begin() + 2,  // behind its size
+                  tools::DescribeSizes(model->sections()));
   if (coverage.ok()) sections.push_back(tools::DescribeCoverage(*coverage));
   std::fputs(tools::DescriptionText(sections).c_str(), stdout);
   return absl::OkStatus();

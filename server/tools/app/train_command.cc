@@ -256,6 +256,10 @@ void AddForestFlags(CLI::App& command, training::TrainingOptions& options) {
   add("--max-depth", options.max_depth, "Depth of the deepest leaf", "N");
   add("--min-leaf-samples", options.min_leaf_samples,
       "Samples a leaf has at least", "N");
+  add("--min-kept-samples", options.min_kept_samples,
+      "Leaves with fewer samples are left out: chance, and most of the bytes; "
+      "0: 5 with universal and rgbd, else 1",
+      "N");
   add("--min-spread", options.min_spread_m,
       "Samples that lie this close together make a leaf", "M");
   add("--split-candidates", options.split_candidates,

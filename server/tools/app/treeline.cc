@@ -9,6 +9,7 @@
 #include "server/tools/app/learn_command.h"
 #include "server/tools/app/publish_command.h"
 #include "server/tools/app/recognize_command.h"
+#include "server/tools/app/shrink_command.h"
 #include "server/tools/app/split_command.h"
 #include "server/tools/app/synth_command.h"
 #include "server/tools/app/train_command.h"
@@ -25,7 +26,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
       AddLearnCommand(app),   AddImportCommand(app),  AddCalibrateCommand(app),
       AddTrainCommand(app),   AddMergeCommand(app),   AddEvaluateCommand(app),
       AddInspectCommand(app), AddPublishCommand(app), AddRecognizeCommand(app),
-      AddSplitCommand(app),   AddSynthCommand(app),
+      AddSplitCommand(app),   AddSynthCommand(app),   AddShrinkCommand(app),
   };
 }
 
