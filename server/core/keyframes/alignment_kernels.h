@@ -6,14 +6,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/camera/camera.h"
-#include "common/camera/rgbd_calibration.h"
 #include "common/geometry/rigid3.h"
-#include "common/image/image.h"
 #include "server/core/features/gray_pyramid.h"
 
 namespace treeline::keyframes {
@@ -123,37 +120,6 @@ void ProjectPoints(const AlignmentPoints& points, size_t begin, size_t end,
 // seen. Returns how many are.
 int SampleBrightness(const features::GrayPyramid& image, int level,
                      size_t begin, size_t end, VisiblePoints& seen);
-
-// A depth image beside the colour camera, of a pinhole or with OpenCV's
-// rational distortion.
-struct DepthView {
-  std::array<float, 9> depth_from_color_rotation;  // row by row
-  std::array<float, 3> depth_from_color_translation;
-  std::array<float, 9> color_from_depth_rotation;
-  std::array<float, 3> color_from_depth_translation;
-  float fx, fy, cx, cy;  // px
-  float k1, k2, k3, k4, k5, k6, p1, p2;
-  float unit;  // of the world, in a unit of the image
-  int width;
-  int height;
-  const uint16_t* values;
-};
-
-// nullopt for other lenses. The image must outlive it.
-std::optional<DepthView> DepthViewOf(const camera::RgbdCalibration& calibration,
-                                     const image::DepthImage& depth);
-
-// What was measured where points are seen, in the same slots: in the colour
-// camera (m), and the standard deviation of its depth; 0: nothing.
-struct MeasuredPoints {
-  std::vector<float> x, y, z, sigma_m;
-
-  void resize(size_t points);
-};
-
-// Looks up the points that are seen.
-void MeasureDepth(const VisiblePoints& seen, size_t begin, size_t end,
-                  const DepthView& view, MeasuredPoints& measured);
 
 // Weights are Geman-McClure's of brightness - gain * reference - offset.
 ExposureSums SumExposure(const std::vector<float>& reference,

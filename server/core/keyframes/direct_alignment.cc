@@ -10,6 +10,7 @@
 #include "Eigen/Core"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/keyframes/alignment_kernels.h"
+#include "server/core/keyframes/depth_lookup.h"
 #include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
