@@ -3,13 +3,14 @@
 
 #include <libdeflate.h>
 
-#include <cstdlib>
+#include <algorithm>
 #include <memory>
 #include <new>
 #include <span>
 #include <string>
 
 #include "absl/strings/match.h"
+#include "common/image/png_unfilter.h"
 
 namespace treeline::image {
 namespace {
@@ -81,65 +82,8 @@ std::optional<absl::string_view> TakePixels(absl::string_view rest,
   return pixels;
 }
 
-// The neighbour that the plane through left, above and diagonal foretells.
-int Paeth(int left, int above, int diagonal) {
-  const int from_left = above - diagonal;
-  const int from_above = left - diagonal;
-  const int to_left = std::abs(from_left);
-  const int to_above = std::abs(from_above);
-  const int to_diagonal = std::abs(from_left + from_above);
-  int nearest = left;
-  int distance = to_left;
-  if (to_above < distance) {
-    nearest = above;
-    distance = to_above;
-  }
-  return to_diagonal < distance ? diagonal : nearest;
-}
-
-// Undoes the filter of one row in place. `above` is the row before, already
-// undone, or zeros. False for a filter that does not exist.
-bool Unfilter(int filter, std::span<uint8_t> row, const uint8_t* above) {
-  const auto low_byte = [](int value) { return static_cast<uint8_t>(value); };
-  switch (filter) {
-    case 0:
-      return true;
-    case 1:
-      for (size_t i = kPixelBytes; i < row.size(); ++i) {
-        row[i] = low_byte(row[i] + row[i - kPixelBytes]);
-      }
-      return true;
-    case 2:
-      for (size_t i = 0; i < row.size(); ++i) {
-        row[i] = low_byte(row[i] + above[i]);
-      }
-      return true;
-    case 3:
-      for (size_t i = 0; i < row.size(); ++i) {
-        const int left = i < kPixelBytes ? 0 : row[i - kPixelBytes];
-        row[i] = low_byte(row[i] + (left + above[i]) / 2);
-      }
-      return true;
-    case 4: {
-      // Both bytes of a pixel side by side: two chains of dependent steps.
-      int left[kPixelBytes] = {0, 0};
-      int diagonal[kPixelBytes] = {0, 0};
-      for (size_t i = 0; i < row.size(); i += kPixelBytes) {
-        for (size_t k = 0; k < kPixelBytes; ++k) {
-          const int up = above[i + k];
-          left[k] = (row[i + k] + Paeth(left[k], up, diagonal[k])) & 255;
-          diagonal[k] = up;
-          row[i + k] = low_byte(left[k]);
-        }
-      }
-      return true;
-    }
-    default:
-      return false;
-  }
-}
-
-bool Inflate(absl::string_view pixels, std::vector<uint8_t>& rows) {
+// Exactly as many bytes as there is room for.
+bool Inflate(absl::string_view pixels, std::span<uint8_t> rows) {
   const std::unique_ptr<libdeflate_decompressor,
                         decltype(&libdeflate_free_decompressor)>
       decompressor(libdeflate_alloc_decompressor(),
@@ -200,29 +144,24 @@ std::optional<PlainDepthPng> DecodePlainDepthPng(absl::string_view bytes,
   }
   std::string joined;
   const std::optional<absl::string_view> pixels = TakePixels(bytes, joined);
-  const size_t row_bytes = 1 + kPixelBytes * width;
+  const size_t row_bytes = FilteredRowBytes(width);
   if (!pixels.has_value() ||
       row_bytes * height > kMaxExpansion * pixels->size()) {
     return std::nullopt;
   }
-  std::vector<uint8_t> rows(row_bytes * height);
-  if (!Inflate(*pixels, rows)) return std::nullopt;
+  const size_t filtered_bytes = row_bytes * height;
+  const auto rows = std::make_unique_for_overwrite<uint8_t[]>(
+      filtered_bytes + kUnfilterPadding_bytes);
+  std::fill_n(rows.get() + filtered_bytes, kUnfilterPadding_bytes, uint8_t{0});
+  if (!Inflate(*pixels, {rows.get(), filtered_bytes})) return std::nullopt;
 
   PlainDepthPng image{.width = static_cast<int>(width),
                       .height = static_cast<int>(height),
                       .values = {}};
   image.values.resize(width * height);
-  const std::vector<uint8_t> zeros(row_bytes);
-  const uint8_t* above = zeros.data();
-  uint16_t* out = image.values.data();
-  for (size_t y = 0; y < height; ++y) {
-    const std::span<uint8_t> row(rows.data() + y * row_bytes + 1,
-                                 row_bytes - 1);
-    if (!Unfilter(rows[y * row_bytes], row, above)) return std::nullopt;
-    for (size_t x = 0; x < width; ++x) {
-      *out++ = static_cast<uint16_t>((row[2 * x] << 8) | row[2 * x + 1]);
-    }
-    above = row.data();
+  if (!UnfilterGray16({rows.get(), filtered_bytes}, width, height,
+                      image.values)) {
+    return std::nullopt;
   }
   return image;
 }

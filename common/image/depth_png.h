@@ -1,5 +1,5 @@
-// The PNG files that depth cameras write, read and written in half the time
-// that a general library takes.
+// The PNG files that depth cameras write, read and written in less than half of
+// the time that a general library takes.
 #ifndef COMMON_IMAGE_DEPTH_PNG_H_
 #define COMMON_IMAGE_DEPTH_PNG_H_
 

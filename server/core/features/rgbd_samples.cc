@@ -1,5 +1,6 @@
 #include "server/core/features/rgbd_samples.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -44,13 +45,19 @@ double DepthSigma_m(double z_m) {
 
 void DrawSamples(const DepthGeometry& geometry, const image::DepthImage& depth,
                  int count, base::Random random, RgbdSamples& samples) {
+  DrawFirstSamples(geometry, depth, count, count, random, samples);
+}
+
+void DrawFirstSamples(const DepthGeometry& geometry,
+                      const image::DepthImage& depth, int first, int count,
+                      base::Random random, RgbdSamples& samples) {
   samples.clear();
   const camera::Camera& color = geometry.calibration().color;
   const uint32_t pixels = static_cast<uint32_t>(depth.values.size());
   const double focal_px = camera::MeanFocal_px(color);
-  for (int draw = 0; draw < count * kMaxDrawsPerSample &&
-                     samples.size() < static_cast<size_t>(count);
-       ++draw) {
+  const size_t wanted = static_cast<size_t>(std::min(first, count));
+  for (int draw = 0;
+       draw < count * kMaxDrawsPerSample && samples.size() < wanted; ++draw) {
     const uint32_t i = random.NextBelow(pixels);
     if (!image::IsMeasured(depth.values[i])) continue;
     const double depth_m = depth.values[i] * depth.unit_m;

@@ -49,6 +49,10 @@ class DepthGeometry {
 // Gives up after 8 * count draws, so a frame with little depth gives fewer.
 void DrawSamples(const DepthGeometry& geometry, const image::DepthImage& depth,
                  int count, base::Random random, RgbdSamples& samples);
+// The first so many of them, in less time: fewer only if there are no more.
+void DrawFirstSamples(const DepthGeometry& geometry,
+                      const image::DepthImage& depth, int first, int count,
+                      base::Random random, RgbdSamples& samples);
 
 // `count` pixels whose patch lies inside an image of the camera's size, for
 // queries without depth: inverse_depth_q12 is NoDepthQ12, and point is

@@ -1,5 +1,7 @@
 #include "server/core/features/rgbd_samples.h"
 
+#include <algorithm>
+
 #include "gtest/gtest.h"
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
@@ -77,6 +79,29 @@ TEST(DrawSamplesTest, GivesUpOnAFrameWithoutDepth) {
   DrawSamples(DepthGeometry(SideBySide()), Flat(0), 100, base::Random(1, 0),
               samples);
   EXPECT_EQ(samples.size(), 0u);
+}
+
+TEST(DrawSamplesTest, TheFirstAreThoseOfAll) {
+  // Hardly any depth: one pixel in twelve, so that draws run out.
+  image::DepthImage sparse = Flat(0);
+  for (size_t i = 0; i < sparse.values.size(); i += 12) {
+    sparse.values[i] = static_cast<uint16_t>(1000 + i % 3000);
+  }
+  const DepthGeometry geometry(SideBySide());
+  RgbdSamples all, first;
+  DrawSamples(geometry, sparse, 300, base::Random(1, 0), all);
+  ASSERT_GT(all.size(), 60u);
+  ASSERT_LT(all.size(), 300u);
+  for (const int count : {1, 60, 299, 300, 400}) {
+    DrawFirstSamples(geometry, sparse, count, 300, base::Random(1, 0), first);
+    const size_t expected = std::min(all.size(), static_cast<size_t>(count));
+    ASSERT_EQ(first.size(), expected) << count;
+    for (size_t i = 0; i < expected; ++i) {
+      EXPECT_EQ(first.x[i], all.x[i]);
+      EXPECT_EQ(first.y[i], all.y[i]);
+      EXPECT_EQ(first.point[i], all.point[i]);
+    }
+  }
 }
 
 TEST(DrawSamplesTest, DependsOnTheSeedAlone) {

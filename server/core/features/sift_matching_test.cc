@@ -5,6 +5,7 @@
 
 #include "common/base/random.h"
 #include "gtest/gtest.h"
+#include "hwy/targets.h"
 
 namespace treeline::features {
 namespace {
@@ -47,6 +48,40 @@ TEST(FindNearestSiftTest, FindsTheNearestAndTheSecondDistance) {
     EXPECT_EQ(nearest[q].squared_distance, distances[0]);
     EXPECT_EQ(nearest[q].second_squared_distance, distances[1]);
   }
+}
+
+TEST(FindNearestSiftTest, AllVectorInstructionsFindTheSame) {
+  base::Random random(2, 0);
+  const std::vector<SiftDescriptor> queries = RandomDescriptors(9, random);
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    for (const size_t size : {1, 2, 15, 16, 17, 50}) {
+      std::vector<SiftDescriptor> known = RandomDescriptors(size, random);
+      // One that is there twice: the first counts, the second is as near.
+      known.back() = known.front();
+      std::vector<NearestSift> nearest(queries.size());
+      FindNearestSift(queries, ViewOf(known), nearest);
+      for (size_t q = 0; q < queries.size(); ++q) {
+        NearestSift expected;
+        for (uint32_t i = 0; i < size; ++i) {
+          const int32_t distance = SquaredDistance(queries[q], known[i]);
+          if (distance < expected.squared_distance) {
+            expected = {i, distance, expected.squared_distance};
+          } else if (distance < expected.second_squared_distance) {
+            expected.second_squared_distance = distance;
+          }
+        }
+        EXPECT_EQ(nearest[q].index, expected.index);
+        EXPECT_EQ(nearest[q].squared_distance, expected.squared_distance);
+        EXPECT_EQ(nearest[q].second_squared_distance,
+                  expected.second_squared_distance);
+      }
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 TEST(FindNearestSiftTest, DistancesDoNotOverflow) {

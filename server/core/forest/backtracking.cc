@@ -23,7 +23,7 @@ constexpr uint32_t kNodeMask = (1u << kNodeBits) - 1;
 constexpr uint32_t kEmpty = 0xffffffffu;
 
 // Vectors walked in turn.
-constexpr size_t kGroups = 2;
+constexpr size_t kGroups = 4;
 
 using DI = hn::ScalableTag<int32_t>;
 using DU = hn::Rebind<uint32_t, DI>;
@@ -124,6 +124,7 @@ class LaneGroup {
     }
     if (HWY_LIKELY(hn::AllFalse(du, at_leaf))) {
       hn::Store(chosen, du, node_);
+      FetchNodes(walk);
       return;
     }
     // Lanes at a leaf take the head of their queue (kEmpty: they have none).
@@ -149,10 +150,20 @@ class LaneGroup {
       Arrive(walk, lane, static_cast<uint32_t>(leaf[lane]),
              heads[lane] != kEmpty);
     }
+    FetchNodes(walk);
   }
 
  private:
   static constexpr size_t kMaxLanes = 16;  // 512 bits
+
+  // Whether a lane is at a leaf is known only when its node is there, and
+  // guessed wrongly now and then: without this the other groups' misses would
+  // wait for this one's.
+  HWY_INLINE void FetchNodes(const Walk& walk) const {
+    for (size_t lane = 0; lane < hn::Lanes(DI()); ++lane) {
+      __builtin_prefetch(walk.nodes + 2 * static_cast<size_t>(node_[lane]));
+    }
+  }
 
   void TakeSample(Walk& walk, size_t lane) {
     for (size_t k = 0; k < walk.leaves_per_sample; ++k) {

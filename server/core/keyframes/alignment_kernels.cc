@@ -154,9 +154,10 @@ HWY_INLINE V Between(V top, V middle, V bottom, V f) {
   return hn::MulAdd(shifted, slope, middle);
 }
 
-void LookUp(const uint8_t* gray, int width, int height, int level, size_t begin,
-            size_t end, VisiblePoints& seen) {
+int LookUp(const uint8_t* gray, int width, int height, int level, size_t begin,
+           size_t end, VisiblePoints& seen) {
   const D d;
+  V count = hn::Zero(d);
   const DI di;
   const V half = hn::Set(d, 0.5f);
   const V one = hn::Set(d, 1);
@@ -202,8 +203,11 @@ void LookUp(const uint8_t* gray, int width, int height, int level, size_t begin,
                seen.gradient_x.data() + i);
     hn::StoreU(hn::IfThenElseZero(visible, hn::Mul(gy, shrink)), d,
                seen.gradient_y.data() + i);
-    hn::StoreU(hn::IfThenElseZero(visible, one), d, seen.seen.data() + i);
+    const V ones = hn::IfThenElseZero(visible, one);
+    hn::StoreU(ones, d, seen.seen.data() + i);
+    count = hn::Add(count, ones);
   }
+  return static_cast<int>(hn::GetLane(hn::SumOfLanes(d, count)));
 }
 
 ExposureSums Exposure(const float* reference, const VisiblePoints& seen,
@@ -351,6 +355,13 @@ void AlignmentPoints::Append(const std::array<float, 3>& position_in_world,
   nz.push_back(static_cast<float>(normal_in_world[2]) / 127);
 }
 
+void AlignmentPoints::Reserve(size_t points) {
+  for (std::vector<float>* array : {&x, &y, &z, &nx, &ny, &nz}) {
+    array->reserve(points);
+  }
+  for (std::vector<float>& level : gray) level.reserve(points);
+}
+
 void AlignmentPoints::AppendNothing() {
   for (std::vector<float>* array : {&x, &y, &z}) {
     array->push_back(std::numeric_limits<float>::quiet_NaN());
@@ -432,11 +443,11 @@ void ProjectPoints(const AlignmentPoints& points, size_t begin, size_t end,
   HWY_DYNAMIC_DISPATCH(See)(points, begin, end, view, seen);
 }
 
-void SampleBrightness(const features::GrayPyramid& image, int level,
-                      size_t begin, size_t end, VisiblePoints& seen) {
+int SampleBrightness(const features::GrayPyramid& image, int level,
+                     size_t begin, size_t end, VisiblePoints& seen) {
   const features::GrayPyramid::Level& l = image.level(level);
-  HWY_DYNAMIC_DISPATCH(LookUp)
-  (l.gray.data(), l.width, l.height, level, begin, end, seen);
+  return HWY_DYNAMIC_DISPATCH(LookUp)(l.gray.data(), l.width, l.height, level,
+                                      begin, end, seen);
 }
 
 ExposureSums SumExposure(const std::vector<float>& reference,

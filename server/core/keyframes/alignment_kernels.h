@@ -29,6 +29,7 @@ struct AlignmentPoints {
   std::array<std::vector<float>, features::GrayPyramid::kLevels> gray;
 
   size_t size() const { return x.size(); }
+  void Reserve(size_t points);
   // `origin` is that of the arrays, in the world.
   void Append(const std::array<float, 3>& position_in_world,
               const std::array<int8_t, 3>& normal_in_world,
@@ -116,9 +117,9 @@ void ProjectPoints(const AlignmentPoints& points, size_t begin, size_t end,
                    const PinholeView& view, VisiblePoints& seen);
 
 // Brightness and gradients at the pixels, bilinear; what lies outside is not
-// seen.
-void SampleBrightness(const features::GrayPyramid& image, int level,
-                      size_t begin, size_t end, VisiblePoints& seen);
+// seen. Returns how many are.
+int SampleBrightness(const features::GrayPyramid& image, int level,
+                     size_t begin, size_t end, VisiblePoints& seen);
 
 // Weights are Geman-McClure's of brightness - gain * reference - offset.
 ExposureSums SumExposure(const std::vector<float>& reference,

@@ -57,7 +57,7 @@ TEST(AlignmentKernelsTest, PointsAreSeenAsTheCameraAndThePyramidSay) {
     VisiblePoints seen;
     seen.resize(points.size());
     ProjectPoints(points, 0, points.size(), view, seen);
-    SampleBrightness(pyramid, l, 0, points.size(), seen);
+    const int counted = SampleBrightness(pyramid, l, 0, points.size(), seen);
     const features::GrayPyramid::Level& level = pyramid.level(l);
     int visible = 0;
     for (size_t i = 0; i < points.size(); ++i) {
@@ -85,6 +85,7 @@ TEST(AlignmentKernelsTest, PointsAreSeenAsTheCameraAndThePyramidSay) {
                   0.05);
     }
     EXPECT_GT(visible, 10);
+    EXPECT_EQ(counted, visible);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "Eigen/Core"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/keyframes/alignment_kernels.h"
+#include "server/core/keyframes/depth_lookup.h"
 #include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
@@ -91,7 +92,9 @@ class Aligner {
         depth_(depth),
         calibration_(calibration),
         depth_from_color_(calibration.color_from_depth.Inverse()),
-        options_(options) {}
+        options_(options) {
+    if (depth != nullptr) depth_view_ = DepthViewOf(calibration, *depth);
+  }
 
   std::optional<Alignment> Run(const geometry::Rigid3& world_from_color) {
     camera_from_world_ = world_from_color.Inverse();
@@ -135,6 +138,11 @@ class Aligner {
   void Gather(const std::vector<size_t>& keyframes, geometry::Vec3 origin) {
     origin_ = origin;
     exposures_.resize(keyframes.size());
+    for (const size_t keyframe : keyframes) {
+      total_points_ += static_cast<int>(map_.points(keyframe).size());
+    }
+    points_.Reserve(static_cast<size_t>(total_points_) +
+                    kPlaces.size() * keyframes.size() * kAlignmentBlock);
     for (const size_t place : kPlaces) {
       for (const size_t keyframe : keyframes) {
         const std::span<const KeyframePoint> points = map_.points(keyframe);
@@ -147,9 +155,7 @@ class Aligner {
       }
     }
     seen_.resize(points_.size());
-    for (const size_t keyframe : keyframes) {
-      total_points_ += static_cast<int>(map_.points(keyframe).size());
-    }
+    if (depth_ != nullptr) measured_.resize(points_.size());
   }
 
   void Append(const KeyframePoint& point) {
@@ -178,10 +184,7 @@ class Aligner {
         seen_.v[i] = static_cast<float>(pixel.y);
       }
     }
-    SampleBrightness(image_, level, 0, end, seen_);
-    float visible = 0;
-    for (size_t i = 0; i < end; ++i) visible += seen_.seen[i];
-    visible_ = static_cast<int>(visible);
+    visible_ = SampleBrightness(image_, level, 0, end, seen_);
     for (size_t k = 0; k < exposures_.size(); ++k) FitExposure(level, k);
     if (is_first) MeasureNoise(level);
   }
@@ -361,21 +364,46 @@ class Aligner {
     return true;
   }
 
+  // Fills measured_ for the first `end` points, as they are seen now.
+  void MeasureUpTo(size_t end) {
+    if (depth_view_) {
+      MeasureDepth(seen_, 0, end, *depth_view_, measured_);
+      return;
+    }
+    for (size_t i = 0; i < end; ++i) {
+      geometry::Vec3 measured;
+      double sigma_m = 0;
+      measured_.sigma_m[i] = 0;
+      if (seen_.seen[i] == 0 ||
+          !Measured({seen_.x[i], seen_.y[i], seen_.z[i]}, measured, sigma_m)) {
+        continue;
+      }
+      measured_.x[i] = static_cast<float>(measured.x);
+      measured_.y[i] = static_cast<float>(measured.y);
+      measured_.z[i] = static_cast<float>(measured.z);
+      measured_.sigma_m[i] = static_cast<float>(sigma_m);
+    }
+  }
+
+  // Whether point i has a normal, and something was measured there.
+  bool HasSurface(size_t i) const {
+    return measured_.sigma_m[i] > 0 &&
+           (points_.nx[i] != 0 || points_.ny[i] != 0 || points_.nz[i] != 0);
+  }
+
   // Finds the measured points that the keyframes' first runs project to; they
   // are held on to while a level is aligned, since a step moves a point along
   // its surface by less than the surface bends.
   void MeasureSurfaces() {
     surfaces_.clear();
-    const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
-    const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
-    for (size_t i = 0; i < runs_[exposures_.size() - 1].end; ++i) {
-      const geometry::Vec3 normal{points_.nx[i], points_.ny[i], points_.nz[i]};
-      const geometry::Vec3 point{points_.x[i], points_.y[i], points_.z[i]};
-      if (normal == geometry::Vec3{} || !(seen_.seen[i] > 0)) continue;
-      geometry::Vec3 measured;
-      double sigma_m = 0;
-      if (!Measured(r * point + t, measured, sigma_m)) continue;
-      surfaces_.Append(point, normal, measured,
+    const size_t end = runs_[exposures_.size() - 1].end;
+    MeasureUpTo(end);
+    for (size_t i = 0; i < end; ++i) {
+      if (!HasSurface(i)) continue;
+      const double sigma_m = measured_.sigma_m[i];
+      surfaces_.Append({points_.x[i], points_.y[i], points_.z[i]},
+                       {points_.nx[i], points_.ny[i], points_.nz[i]},
+                       {measured_.x[i], measured_.y[i], measured_.z[i]},
                        (sigma_m * sigma_m + kSurfaceNoise_m * kSurfaceNoise_m));
     }
     surfaces_.Pad();
@@ -391,25 +419,20 @@ class Aligner {
   // nothing.
   void JudgeSurfaces(Alignment& alignment) {
     const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
-    const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
     const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
+    MeasureUpTo(runs.back().end);
     int lying = 0;
     for (size_t run = 0; run < runs.size(); ++run) {
       for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        if (!HasSurface(i) || !AgreesInBrightness(run, i)) continue;
         const geometry::Vec3 normal{points_.nx[i], points_.ny[i],
                                     points_.nz[i]};
-        if (normal == geometry::Vec3{} || seen_.seen[i] == 0 ||
-            !AgreesInBrightness(run, i)) {
-          continue;
-        }
-        const geometry::Vec3 p =
-            r * geometry::Vec3{points_.x[i], points_.y[i], points_.z[i]} + t;
-        geometry::Vec3 measured;
-        double sigma_m = 0;
-        if (!Measured(p, measured, sigma_m)) continue;
+        const geometry::Vec3 gap{seen_.x[i] - measured_.x[i],
+                                 seen_.y[i] - measured_.y[i],
+                                 seen_.z[i] - measured_.z[i]};
         ++alignment.measured;
-        lying += std::abs(geometry::Dot(r * normal, p - measured)) <=
-                 0.02 + 3 * sigma_m;
+        lying += std::abs(geometry::Dot(r * normal, gap)) <=
+                 0.02 + 3 * static_cast<double>(measured_.sigma_m[i]);
       }
     }
     if (alignment.measured > 0) {
@@ -477,6 +500,9 @@ class Aligner {
   const AlignmentOptions& options_;
   AlignmentPoints points_;
   VisiblePoints seen_;
+  // nullopt: of a lens that is looked through point by point.
+  std::optional<DepthView> depth_view_;
+  MeasuredPoints measured_;
   SurfacePoints surfaces_;
   std::vector<PointRun> runs_;
   geometry::Vec3 origin_;

@@ -1,5 +1,7 @@
 #include "server/core/localizer/depth_point_source.h"
 
+#include <algorithm>
+
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "server/core/localizer/forest_prediction.h"
@@ -14,12 +16,17 @@ absl::StatusOr<size_t> DepthPointSource::Observe(
     PointObservations& seen) const {
   if (query.depth() == nullptr) return 0;
   features::RgbdSamples& samples = query.scratch().samples;
-  if (seen.size() == 0) {
+  // Most queries need no more than the first.
+  const bool is_first = seen.size() == 0;
+  const int wanted = is_first
+                         ? std::min(options_.first_samples, options_.samples)
+                         : options_.samples;
+  {
     const StageTimer timer(query.timings().sample_ms);
     query.image();
-    features::DrawSamples(features::DepthGeometry(query.calibration()),
-                          *query.depth(), options_.samples,
-                          base::Random(query.seed(), kSampleStream), samples);
+    features::DrawFirstSamples(
+        features::DepthGeometry(query.calibration()), *query.depth(), wanted,
+        options_.samples, base::Random(query.seed(), kSampleStream), samples);
   }
   if (samples.size() < static_cast<size_t>(kMinSamples)) return samples.size();
   const StageTimer timer(query.timings().forest_ms);
@@ -34,7 +41,10 @@ absl::StatusOr<size_t> DepthPointSource::Observe(
     seen.scene.depth_sigma_m.push_back(
         static_cast<double>(samples.depth_sigma_m[i]));
   }
-  return samples.size();
+  // Where the first are there, more may be.
+  return is_first && samples.size() == static_cast<size_t>(wanted)
+             ? static_cast<size_t>(options_.samples)
+             : samples.size();
 }
 
 pose::PointSolver DepthPointSource::Solver(

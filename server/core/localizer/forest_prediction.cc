@@ -8,6 +8,12 @@
 #include "server/core/localizer/parameters.h"
 
 namespace treeline::localizer {
+namespace {
+
+// Leaves are fetched this many predictions ahead of their use.
+constexpr size_t kPayloadsAhead = 16;
+
+}  // namespace
 
 SampleBatch NextBatch(const QueryOptions& options, size_t begin,
                       size_t samples) {
@@ -38,8 +44,13 @@ absl::Status PredictScene(const forest::ForestView& forest,
                         scratch.matches);
   TL_RETURN_IF_ERROR(query.CheckStop());
   predictions.reserve(predictions.size() + scratch.matches.size());
-  for (const forest::LeafMatch& match : scratch.matches) {
-    predictions.push_back(PredictionOf(forest, match.leaf));
+  const std::span<const forest::LeafMatch> matches(scratch.matches);
+  for (size_t i = 0; i < matches.size(); ++i) {
+    // Each is somewhere in memory.
+    if (i + kPayloadsAhead < matches.size()) {
+      __builtin_prefetch(&forest.payloads[matches[i + kPayloadsAhead].leaf]);
+    }
+    predictions.push_back(PredictionOf(forest, matches[i].leaf));
   }
   return absl::OkStatus();
 }

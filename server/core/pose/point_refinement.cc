@@ -47,7 +47,8 @@ class PointResiduals {
     terms_.clear();
     RobustSum sum;
     const size_t end = std::min(scene_.size(), options_.max_points);
-    for (size_t i = 0; i < end; ++i) AddPoint(i, pose, sum);
+    const geometry::Mat3 rotation = pose.rotation.Matrix();
+    for (size_t i = 0; i < end; ++i) AddPoint(i, rotation, pose, sum);
     // A point on a line has two residuals, any other three.
     sum.residuals = 3 * sum.weights - line_weights_;
     return sum;
@@ -119,11 +120,13 @@ class PointResiduals {
     return best;
   }
 
-  void AddPoint(size_t i, const geometry::Rigid3& pose, RobustSum& sum) {
-    const geometry::Vec3 rotated = pose.rotation * scene_.point_in_camera[i];
+  // `rotation` is the pose's.
+  void AddPoint(size_t i, const geometry::Mat3& rotation,
+                const geometry::Rigid3& pose, RobustSum& sum) {
+    const geometry::Vec3 rotated = rotation * scene_.point_in_camera[i];
     const bool on_line = scene_.is_on_line(i);
     const geometry::Vec3 direction =
-        on_line ? pose.rotation * scene_.line_direction_in_camera[i]
+        on_line ? rotation * scene_.line_direction_in_camera[i]
                 : geometry::Vec3{};
     const Match match = MatchOf(i, rotated, pose.translation, direction);
     if (match.k < 0) return;
@@ -171,11 +174,12 @@ std::optional<RefinedPose> RefinePoints(
                         .min_rcond = kMinPointRcond,
                         .levenberg_marquardt = options.levenberg_marquardt});
   if (!minimum) return std::nullopt;
+  const geometry::Mat3 rotation = minimum->world_from_camera.rotation.Matrix();
   return SupportedPose(
       *minimum, scene.size(), options.max_points, options.inlier_distance_m,
       [&](size_t i) {
-        const geometry::Vec3 point =
-            minimum->world_from_camera * scene.point_in_camera[i];
+        const geometry::Vec3 point = rotation * scene.point_in_camera[i] +
+                                     minimum->world_from_camera.translation;
         return NearestOf(scene.per_sample, [&](int k) {
           return geometry::SquaredNorm(point - scene.at(i, k).mean_in_world);
         });

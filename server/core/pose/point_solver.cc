@@ -10,10 +10,11 @@ namespace treeline::pose {
 PointSolver::PointSolver(const PointPredictions& scene,
                          const PointSolverOptions& options)
     : scene_(scene), options_(options) {
+  pairs_.Reserve(scene.size());
   for (size_t i = 0; i < scene.size(); ++i) {
-    in_camera_.Add(scene.point_in_camera[i]);
-    in_world_.Add(scene.at(i, 0).mean_in_world);
+    pairs_.Add(scene.point_in_camera[i], scene.at(i, 0).mean_in_world);
   }
+  pairs_.Pad();
 }
 
 std::optional<geometry::Rigid3> PointSolver::Draw(base::Random& random) const {
@@ -41,36 +42,15 @@ std::optional<geometry::Rigid3> PointSolver::Draw(base::Random& random) const {
 
 double PointSolver::Cost(const geometry::Rigid3& world_from_camera,
                          size_t begin, size_t end) const {
-  const FloatTransform p(world_from_camera);
-  const float* const cx = in_camera_.x.data();
-  const float* const cy = in_camera_.y.data();
-  const float* const cz = in_camera_.z.data();
-  const float* const wx = in_world_.x.data();
-  const float* const wy = in_world_.y.data();
-  const float* const wz = in_world_.z.data();
-  return TruncatedCost(begin, end, options_.inlier_distance_m, [&](size_t i) {
-    const float dx =
-        p.m[0] * cx[i] + p.m[1] * cy[i] + p.m[2] * cz[i] + p.tx - wx[i];
-    const float dy =
-        p.m[3] * cx[i] + p.m[4] * cy[i] + p.m[5] * cz[i] + p.ty - wy[i];
-    const float dz =
-        p.m[6] * cx[i] + p.m[7] * cy[i] + p.m[8] * cz[i] + p.tz - wz[i];
-    return dx * dx + dy * dy + dz * dz;
-  });
+  return TruncatedDistances(pairs_, begin, end, world_from_camera,
+                            options_.inlier_distance_m);
 }
 
 geometry::Rigid3 PointSolver::Refitted(
     const geometry::Rigid3& world_from_camera, size_t end) const {
-  geometry::Kabsch kabsch;
-  for (size_t i = 0; i < end; ++i) {
-    const geometry::Vec3& world = scene_.at(i, 0).mean_in_world;
-    const geometry::Vec3& camera = scene_.point_in_camera[i];
-    if (geometry::SquaredNorm(world_from_camera * camera - world) <=
-        options_.inlier_distance_m * options_.inlier_distance_m) {
-      kabsch.Add(world, camera);
-    }
-  }
-  return kabsch.Solve().value_or(world_from_camera);
+  return geometry::SolveKabsch(SumInliers(pairs_, end, world_from_camera,
+                                          options_.inlier_distance_m))
+      .value_or(world_from_camera);
 }
 
 void PointSolver::Improve(Hypothesis<geometry::Rigid3>& hypothesis, size_t seen,

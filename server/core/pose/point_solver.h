@@ -9,6 +9,7 @@
 #include "common/base/random.h"
 #include "common/geometry/rigid3.h"
 #include "server/core/pose/minimal_solver.h"
+#include "server/core/pose/point_kernels.h"
 #include "server/core/pose/scene_predictions.h"
 #include "server/core/pose/truncated_cost.h"
 
@@ -53,14 +54,13 @@ class PointSolver {
   geometry::Rigid3 Refitted(const geometry::Rigid3& world_from_camera,
                             size_t end) const;
 
-  const PackedVectors& points_in_camera() const { return in_camera_; }
-  const PackedVectors& best_in_world() const { return in_world_; }
+  const PackedVectors& points_in_camera() const { return pairs_.in_camera; }
+  const PackedVectors& best_in_world() const { return pairs_.in_world; }
 
  private:
   const PointPredictions& scene_;
   const PointSolverOptions options_;
-  PackedVectors in_camera_;
-  PackedVectors in_world_;
+  PackedPairs pairs_;
 };
 
 }  // namespace treeline::pose

@@ -70,6 +70,20 @@ void Accumulate(const RayPredictions& scene, size_t i, int k,
   sum.weights += robust;
 }
 
+// PoseResiduals of rays and their best predictions.
+class BestRayResiduals {
+ public:
+  explicit BestRayResiduals(const PackedRays& rays) : rays_(rays) {}
+
+  RobustSum SumAt(const geometry::Rigid3& world_from_camera,
+                  double scale) const {
+    return SumRays(rays_, world_from_camera, scale);
+  }
+
+ private:
+  const PackedRays& rays_;
+};
+
 // PoseResiduals of rays and the first so many of their predictions.
 class RayResiduals {
  public:
@@ -113,12 +127,18 @@ std::optional<RefinedPose> RefineRays(const RayPredictions& scene,
                                       const geometry::Rigid3& world_from_camera,
                                       const RayRefinementOptions& options) {
   RayResiduals residuals(scene, scene.per_sample);
-  const std::optional<Minimum> minimum =
-      MinimizeRobustly(residuals, world_from_camera,
-                       {.iterations = options.iterations,
-                        .robust_scale = options.robust_scale,
-                        .initial_scale = kInitialRobustScale,
-                        .min_rcond = kMinRayRcond});
+  const RobustOptions robust = {.iterations = options.iterations,
+                                .robust_scale = options.robust_scale,
+                                .initial_scale = kInitialRobustScale,
+                                .min_rcond = kMinRayRcond};
+  std::optional<Minimum> minimum;
+  if (scene.per_sample == 1) {
+    const PackedRays rays(scene);
+    BestRayResiduals best(rays);
+    minimum = MinimizeRobustly(best, world_from_camera, robust);
+  } else {
+    minimum = MinimizeRobustly(residuals, world_from_camera, robust);
+  }
   if (!minimum) return std::nullopt;
   const CameraFromWorld camera_from_world(minimum->world_from_camera.Inverse());
   return SupportedPose(
@@ -127,9 +147,9 @@ std::optional<RefinedPose> RefineRays(const RayPredictions& scene,
 }
 
 std::optional<geometry::Rigid3> RefineOnBestPredictions(
-    const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
+    const PackedRays& rays, const geometry::Rigid3& world_from_camera,
     double robust_scale, int iterations) {
-  RayResiduals residuals(scene, 1);
+  BestRayResiduals residuals(rays);
   const std::optional<Minimum> minimum =
       MinimizeRobustly(residuals, world_from_camera,
                        {.iterations = iterations,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/geometry/rigid3.h"
+#include "server/core/pose/ray_kernels.h"
 #include "server/core/pose/robust_refinement.h"
 #include "server/core/pose/scene_predictions.h"
 
@@ -30,7 +31,7 @@ std::optional<RefinedPose> RefineRays(const RayPredictions& scene,
 // A few steps towards the same minimum, with the rays' best predictions alone
 // and a robust loss that keeps its scale: for hypotheses.
 std::optional<geometry::Rigid3> RefineOnBestPredictions(
-    const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
+    const PackedRays& rays, const geometry::Rigid3& world_from_camera,
     double robust_scale, int iterations);
 
 }  // namespace treeline::pose

@@ -26,7 +26,7 @@ bool AreSpread(const std::array<camera::Pixel, 4>& ray, double min_side) {
 
 RaySolver::RaySolver(const RayPredictions& scene,
                      const RaySolverOptions& options)
-    : scene_(scene), options_(options) {
+    : scene_(scene), options_(options), rays_(scene) {
   for (size_t i = 0; i < scene.size(); ++i) {
     u_.push_back(static_cast<float>(scene.ray[i].x));
     v_.push_back(static_cast<float>(scene.ray[i].y));
@@ -86,7 +86,7 @@ void RaySolver::Improve(Hypothesis<geometry::Rigid3>& hypothesis, size_t seen,
                         size_t survivors) const {
   if (survivors > static_cast<size_t>(kMaxRefinedRayPoses)) return;
   const std::optional<geometry::Rigid3> refined =
-      RefineOnBestPredictions(scene_, hypothesis.model.Inverse(),
+      RefineOnBestPredictions(rays_, hypothesis.model.Inverse(),
                               options_.inlier_distance, kLocalRayIterations);
   if (!refined) return;
   const geometry::Rigid3 camera_from_world = refined->Inverse();

@@ -10,6 +10,7 @@
 #include "common/base/random.h"
 #include "common/geometry/rigid3.h"
 #include "server/core/pose/minimal_solver.h"
+#include "server/core/pose/ray_kernels.h"
 #include "server/core/pose/scene_predictions.h"
 #include "server/core/pose/truncated_cost.h"
 
@@ -51,6 +52,7 @@ class RaySolver {
   std::vector<float> u_;
   std::vector<float> v_;
   PackedVectors in_world_;
+  PackedRays rays_;
 };
 
 }  // namespace treeline::pose

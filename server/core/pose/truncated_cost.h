@@ -15,6 +15,9 @@ namespace treeline::pose {
 struct PackedVectors {
   std::vector<float> x, y, z;
 
+  void Reserve(size_t count) {
+    for (std::vector<float>* array : {&x, &y, &z}) array->reserve(count);
+  }
   void Add(geometry::Vec3 v) {
     x.push_back(static_cast<float>(v.x));
     y.push_back(static_cast<float>(v.y));
