@@ -96,7 +96,8 @@ export class StatusPanel {
     setText(this.pause, this.isPaused ? 'Resume' : 'Pause');
     this.pause.classList.toggle('primary', this.isPaused);
     this.cancel.disabled =
-        !isUnderWay(state.goal) && !isRouteOpen(state.route);
+        !isUnderWay(state.goal) && !isRouteOpen(state.route) &&
+        state.docking?.outcome !== 'under_way';
     const { command } = state;
     const pose = knowsPlace(state) ? state.pose : null;
     setText(this.speed, `${signed(command.forward, 2)} m/s`);
