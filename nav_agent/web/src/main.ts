@@ -383,7 +383,7 @@ class Page {
     if (state.docking !== null && state.docksRevision !== this.docksRevision) {
       void this.loadDocks();
     }
-    this.docks.say(state.docking);
+    this.docks.follow(state.docking);
     this.showRoute();
     this.view?.setState(state);
     this.stop.update(state);

@@ -2,9 +2,9 @@
 
 import type { Dock, Docking, Docks } from '../api/types.js';
 import {
-  dockDetail, freeDockName, MOST_DOCK_NAME_BYTES, sayDocking,
+  dockDetail, freeDockName, MOST_DOCK_NAME_BYTES,
 } from '../model/dock_words.js';
-import { button, el, setData, setShown, setText } from '../common/dom.js';
+import { button, el, setShown, setText } from '../common/dom.js';
 
 export interface DockCommands {
   // Where the robot stands.
@@ -16,9 +16,7 @@ export interface DockCommands {
 
 export class DocksPanel {
   readonly element: HTMLElement;
-  private readonly line = el('p', { class: 'goal-line', id: 'docking' });
-  private readonly why = el('p', { class: 'detail', id: 'docking-why' });
-  private readonly list = el('ul', { class: 'obstacles docks' });
+  private readonly list = el('ul', { class: 'obstacles routes' });
   private readonly none = el('p', { class: 'detail' },
       'There are none. Make one where the robot stands, or with the tool on ' +
       'the map.');
@@ -38,10 +36,10 @@ export class DocksPanel {
   constructor(private readonly commands: DockCommands) {
     this.element = el('details', { class: 'card', id: 'docks' },
         el('summary', {}, 'Docks'),
-        el('div', { class: 'needs-link' }, this.line, this.why, this.none,
-            this.list,
-            el('div', { class: 'row' }, this.input,
-                el('label', { class: 'check' }, this.backward, 'Backwards'),
+        el('div', { class: 'needs-link' }, this.none, this.list,
+            el('div', { class: 'row dock-row' }, this.input,
+                el('label', { class: 'check' }, this.backward, 'Backwards')),
+            el('div', { class: 'row' },
                 button('Make one here', () => commands.putHere(
                     this.name, this.isBackward),
                 { class: 'small', id: 'dock-here', attributes: {
@@ -49,7 +47,7 @@ export class DocksPanel {
                 this.leave),
             this.warning));
     this.update(this.docks, 1);
-    this.say(null);
+    this.follow(null);
   }
 
   // Of the next one that is made.
@@ -82,13 +80,8 @@ export class DocksPanel {
           class: 'small', attributes: { 'aria-label': `Remove ${name}` } }));
   }
 
-  say(docking: Docking | null): void {
-    const saying = sayDocking(docking);
-    setShown(this.line, saying !== null);
-    setText(this.line, saying?.title ?? '');
-    setData(this.line, 'tone', saying?.tone ?? 'calm');
-    setText(this.why, saying?.text ?? '');
-    setShown(this.why, saying !== null && saying.text !== '');
+  // What it says of itself is in *Robot*.
+  follow(docking: Docking | null): void {
     setShown(this.leave, docking?.state === 'docked');
   }
 }
