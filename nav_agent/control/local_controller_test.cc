@@ -114,10 +114,10 @@ TEST(LocalController, AGoalIsNotReachedWhileItMoves) {
             0.1);
 }
 
-// Creeps on for 20 s; how near the front has come to a thing at x = 5 m.
+// Creeps on for 10 s; how near the front has come to a thing at x = 5 m.
 double GapAfterCreeping_m(Drive& drive, const CloseApproach* approach) {
-  for (int i = 0; i < 800; ++i) {
-    drive.Creep(approach, {.forward_mps = 0.05, .yaw_rate_radps = 0});
+  for (int i = 0; i < 400; ++i) {
+    drive.Creep(approach, {.forward_mps = 0.1, .yaw_rate_radps = 0});
   }
   return 5 - 0.3 - drive.pose().pose.map_from_base.translation.x;
 }

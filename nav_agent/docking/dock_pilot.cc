@@ -356,7 +356,10 @@ void DockPilot::End(DockingOutcome outcome, const std::string& why) {
 // A goal begins in a dock, or begins again there.
 void DockPilot::LookAtGoal(behavior::Navigator& navigator) {
   const std::optional<behavior::GoalStatus> goal = navigator.goal();
-  if (!IsActive(goal) || IsSteered() || goal->id == released_goal_) return;
+  if (docks_->empty() || !IsActive(goal) || IsSteered() ||
+      goal->id == released_goal_) {
+    return;
+  }
   const NavigatorMode mode = navigator.mode();
   const bool begins =
       goal->id != seen_goal_ || mode == NavigatorMode::kPlanning;
@@ -407,11 +410,11 @@ void DockPilot::LookWhereItIs(const behavior::Navigator& navigator) {
   }
   looked_ = now_;
   const bool was_docked = IsDocked();
-  const std::optional<core::LevelPose> robot =
-      IsLost(navigator.mode()) ? std::nullopt : PoseOf(navigator);
   status_.state = DockingState::kAway;
   const std::string before = std::exchange(status_.dock, "");
-  if (docks_->empty() || !robot.has_value()) return;
+  if (docks_->empty() || IsLost(navigator.mode())) return;
+  const std::optional<core::LevelPose> robot = PoseOf(navigator);
+  if (!robot.has_value()) return;
   for (const Dock& dock : *docks_) {
     if (!IsAt(dock, *robot)) continue;
     status_.state = DockingState::kDocked;

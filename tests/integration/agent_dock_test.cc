@@ -17,11 +17,21 @@ using ::testing::HasSubstr;
 // 5 m from where it starts. In the simulated cafe a charger stands there: it
 // charges where contacts meet, within 3 cm of the dock's pose.
 TEST_F(AgentRunTest, ALowBatteryIsChargedAndTheRouteGoesOn) {
-  const std::vector<std::string> arguments = {
-      "--simulate",     "cafe", "--people=false",    "--camera-hz",
-      "0",              "--speed", "4",              "--state-dir",
-      folder_ + "/state", "--battery-at", "22",      "--battery-lasts-s",
-      "400",            "--charge-until", "26"};
+  const std::vector<std::string> arguments = {"--simulate",
+                                              "cafe",
+                                              "--people=false",
+                                              "--camera-hz",
+                                              "0",
+                                              "--speed",
+                                              "4",
+                                              "--state-dir",
+                                              folder_ + "/state",
+                                              "--battery-at",
+                                              "22",
+                                              "--battery-lasts-s",
+                                              "400",
+                                              "--charge-until",
+                                              "26"};
   ASSERT_NO_FATAL_FAILURE(StartAgent(arguments));
   EXPECT_THAT(Ask({"dock", "save", "wall", "--at", "-30,0,0"}, 1),
               HasSubstr("dock 'wall': its docked pose (-30.00, 0.00) lies "
@@ -36,7 +46,7 @@ TEST_F(AgentRunTest, ALowBatteryIsChargedAndTheRouteGoesOn) {
                                  "routes:\n"
                                  "  - name: rounds\n"
                                  "    waypoints:\n"
-                                 "      - {x: 2.6, y: 7.7, wait: 20}\n"
+                                 "      - {x: 2.6, y: 7.7, wait: 12}\n"
                                  "      - {x: 4.6, y: 7.7}\n")
                   .ok());
   Ask({"route", "save", file});
@@ -49,9 +59,9 @@ TEST_F(AgentRunTest, ALowBatteryIsChargedAndTheRouteGoesOn) {
                     HasSubstr("is out of dock 'charger'")));
   EXPECT_THAT(
       httplib::Client(page_).Get("/metrics")->body,
-      AllOf(HasSubstr("treeline_agent_charge_trips_total 1"),
-            HasSubstr(
-                "treeline_agent_dockings_total{outcome=\"succeeded\"} 1")));
+      AllOf(
+          HasSubstr("treeline_agent_charge_trips_total 1"),
+          HasSubstr("treeline_agent_dockings_total{outcome=\"succeeded\"} 1")));
   // Again, by hand; a restart finds the dock, and the robot in it.
   EXPECT_THAT(Ask({"dock", "go", "charger", "--quiet"}),
               HasSubstr("docked in charger: it charges"));

@@ -80,8 +80,10 @@ constexpr char kCrate[] = "crate";
 constexpr int kKidnapTries = 500;
 // Between a robot that begins and people who walk past (m).
 constexpr double kStartRoom_m = 0.3;
-// A charger's body, and the room between it and a docked robot (m).
+// A charger's body, narrow so that a laser that looks past it still knows the
+// place, and the room between it and a docked robot (m).
 constexpr double kChargerDepth_m = 0.2;
+constexpr double kChargerWidth_m = 0.2;
 constexpr double kChargerGap_m = 0.02;
 // A slower robot does not drive.
 constexpr double kStandingSpeed_mps = 0.02;
@@ -261,7 +263,7 @@ void SimulatedAgentRobot::SetChargers(const std::vector<PlacedDock>& docks) {
         InWorld({.map_from_base = docked * geometry::Rigid2{{ahead_m, 0}, 0},
                  .place = {dock.level, height_m}}),
         {static_cast<float>(kChargerDepth_m / CrateSide_m()),
-         static_cast<float>(2 * model().half_width_m / CrateSide_m()), 1});
+         static_cast<float>(kChargerWidth_m / CrateSide_m()), 1});
     // Where it does not, the dock still charges: a wall may be its body.
     if (stands.ok()) charger_bodies_.push_back(name);
   }
