@@ -1,4 +1,4 @@
-// A robot whose battery runs low on its route: into its dock, and back.
+// A robot whose battery is low when its route begins: into its dock, and back.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -27,7 +27,7 @@ TEST_F(AgentRunTest, ALowBatteryIsChargedAndTheRouteGoesOn) {
                                               "--state-dir",
                                               folder_ + "/state",
                                               "--battery-at",
-                                              "22",
+                                              "15",
                                               "--battery-lasts-s",
                                               "400",
                                               "--charge-until",
@@ -46,7 +46,7 @@ TEST_F(AgentRunTest, ALowBatteryIsChargedAndTheRouteGoesOn) {
                                  "routes:\n"
                                  "  - name: rounds\n"
                                  "    waypoints:\n"
-                                 "      - {x: 2.6, y: 7.7, wait: 12}\n"
+                                 "      - {x: 2.6, y: 7.7}\n"
                                  "      - {x: 4.6, y: 7.7}\n")
                   .ok());
   Ask({"route", "save", file});
