@@ -4,6 +4,7 @@
 #include "CLI/CLI.hpp"
 #include "nav_agent/app/bridge/bridge_command.h"
 #include "nav_agent/app/calibrate/calibrate_command.h"
+#include "nav_agent/app/dock/dock_command.h"
 #include "nav_agent/app/doctor/doctor_command.h"
 #include "nav_agent/app/localize/localize_command.h"
 #include "nav_agent/app/log/log_command.h"
@@ -33,6 +34,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           navigate_app::AddNavigateCommand(app),
           route_app::AddRouteCommand(app),
           zones_app::AddZonesCommand(app),
+          dock_app::AddDockCommand(app),
           doctor_app::AddDoctorCommand(app),
           plan_app::AddPlanCommand(app),
           localize_app::AddLocalizeCommand(app),

@@ -10,6 +10,21 @@
 
 namespace treeline::behavior {
 
+NavigatorMode ModeOf(GoalPhase phase) {
+  switch (phase) {
+    case GoalPhase::kToPlan:
+    case GoalPhase::kPlanning:
+      return NavigatorMode::kPlanning;
+    case GoalPhase::kDriving:
+      return NavigatorMode::kDriving;
+    case GoalPhase::kRecovering:
+      return NavigatorMode::kRecovering;
+    case GoalPhase::kNone:
+      break;
+  }
+  return NavigatorMode::kIdle;
+}
+
 GoalExecutor::GoalExecutor(
     std::shared_ptr<const traversability::NavigationMap> map,
     PlannerWorker& planner, control::LocalController& controller,

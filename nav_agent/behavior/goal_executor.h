@@ -29,6 +29,8 @@ enum class GoalPhase : uint8_t {
   kDriving,
   kRecovering
 };
+// What people are shown of it.
+NavigatorMode ModeOf(GoalPhase phase);
 
 // Not thread-safe. What is given must outlive it.
 class GoalExecutor {

@@ -34,6 +34,16 @@ struct NavigationGoal {
   std::vector<core::LevelPose> poses;
 };
 
+// What a program above the navigator has the robot do at its dock.
+struct SteeringCommand {
+  core::VelocityCommand wanted;
+  // Where the robot stands at last, and whether its rear is at the dock then.
+  core::LevelPose docked;
+  bool is_backward = false;
+  // What it does, for people.
+  std::string what;
+};
+
 struct NavigatorMap {
   octree::VoxelMap voxels;
   traversability::TraversableMap levels;
@@ -71,6 +81,13 @@ class Navigator {
   // silent. A goal or a search waits for Resume afterwards. INVALID_ARGUMENT:
   // not finite. FAILED_PRECONDITION: it is stopped, or a device is lost.
   virtual absl::Status Drive(const core::VelocityCommand& wanted) = 0;
+  // Drives so in the next step, and in no other: who steers says it again in
+  // each. As far as limits and obstacles allow, but for the dock, which may be
+  // driven up to; and not while the robot is paused, driven by hand, looks for
+  // its place, or a device is lost. A goal waits meanwhile, and is planned
+  // anew. INVALID_ARGUMENT: not finite. FAILED_PRECONDITION: it is stopped, the
+  // dock lies in a zone that it is kept out of, or it drives without a map.
+  virtual absl::Status Steer(const SteeringCommand& steering) = 0;
   // Zones of the navigator's map; null: none. All that moves it respects them
   // from the next step on, and a goal is planned anew; one that lies in what is
   // kept out of ends with kZone. FAILED_PRECONDITION: it drives without a map,

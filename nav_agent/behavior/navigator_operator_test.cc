@@ -156,5 +156,62 @@ TEST_F(NavigatorOperatorTest, ARobotWithoutLaserIsNotDrivenByHand) {
   EXPECT_THAT(std::string(drive.message()), HasSubstr("laser"));
 }
 
+TEST_F(NavigatorOperatorTest, ASteeredStepIsOneAndItsGoalWaits) {
+  MakePlaced();
+  Send({PoseAtPoint(5, 2)});
+  Run(0.1);
+  ASSERT_EQ(Last().forward_mps, 0.5);
+  const SteeringCommand steering = {
+      .wanted = {.forward_mps = -0.1, .yaw_rate_radps = 0},
+      .docked = PoseAtPoint(2.2, 2),
+      .what = "drives out"};
+  ASSERT_TRUE(navigator->Steer(steering).ok());
+  Run(kStep_s);
+  EXPECT_EQ(Last().forward_mps, -0.1);
+  EXPECT_EQ(mode(), NavigatorMode::kDriving);
+  EXPECT_EQ(navigator->Snapshot().cause_text, "drives out");
+  EXPECT_TRUE(controller->path.empty());
+  EXPECT_EQ(Goal().state, GoalState::kActive);
+  // Nobody says it again: the goal is planned anew.
+  Run(0.1);
+  EXPECT_EQ(Last().forward_mps, 0.5);
+  EXPECT_FALSE(controller->path.empty());
+}
+
+TEST_F(NavigatorOperatorTest, SteeringComesAfterPausesHandsAndStops) {
+  MakePlaced();
+  const SteeringCommand steering = {
+      .wanted = {.forward_mps = 0.1, .yaw_rate_radps = 0},
+      .docked = PoseAtPoint(2.2, 2),
+      .what = ""};
+  navigator->Pause();
+  ASSERT_TRUE(navigator->Steer(steering).ok());
+  Run(kStep_s);
+  EXPECT_EQ(mode(), NavigatorMode::kPaused);
+  navigator->Resume();
+  // What was said before is not kept.
+  Run(kStep_s);
+  EXPECT_EQ(mode(), NavigatorMode::kIdle);
+  ASSERT_TRUE(navigator->Drive(kAhead).ok());
+  ASSERT_TRUE(navigator->Steer(steering).ok());
+  Run(kStep_s);
+  EXPECT_EQ(mode(), NavigatorMode::kManual);
+  SteeringCommand bad = steering;
+  bad.wanted.yaw_rate_radps = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(navigator->Steer(bad).code(), absl::StatusCode::kInvalidArgument);
+  bad = steering;
+  bad.docked.place.level = 7;
+  EXPECT_EQ(navigator->Steer(bad).code(), absl::StatusCode::kInvalidArgument);
+  ASSERT_TRUE(navigator->Steer(steering).ok());
+  navigator->Stop("a child");
+  Run(kStep_s);
+  EXPECT_EQ(Last(), core::VelocityCommand{});
+  EXPECT_EQ(navigator->Steer(steering).code(),
+            absl::StatusCode::kFailedPrecondition);
+  navigator->Release();
+  Run(kStep_s);
+  EXPECT_EQ(Last(), core::VelocityCommand{});
+}
+
 }  // namespace
 }  // namespace treeline::behavior

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
@@ -16,6 +15,7 @@
 #include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/operator_control.h"
 #include "nav_agent/behavior/parameters.h"
+#include "nav_agent/behavior/place_text.h"
 #include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/behavior/scan_ends.h"
 #include "nav_agent/behavior/sensor_monitor.h"
@@ -37,6 +37,7 @@ class NavigatorOfParts final : public Navigator {
   void Stop(const std::string& why) override;
   void Release() override;
   absl::Status Drive(const core::VelocityCommand& wanted) override;
+  absl::Status Steer(const SteeringCommand& steering) override;
   absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
   absl::Status SetPose(
       const core::LevelPose& pose,
@@ -60,7 +61,9 @@ class NavigatorOfParts final : public Navigator {
   std::vector<StopReason> FindProblems() const;
   std::optional<control::ControlPose> PoseNow() const;
   std::optional<control::ControlPose> PoseAt(base::MonotonicTime stamp) const;
-  core::VelocityCommand Decide();
+  core::VelocityCommand Decide(const std::optional<SteeringCommand>& steering);
+  core::VelocityCommand StepSteering(const control::ControlPose& pose,
+                                     const SteeringCommand& steering);
   core::VelocityCommand StepLost(const control::ControlPose& pose);
   bool WouldMoveByItself() const;
   void SetMode(NavigatorMode mode, core::NavigationCause cause,
@@ -80,6 +83,9 @@ class NavigatorOfParts final : public Navigator {
   SafeStop safe_stop_;
   LatchedStop stop_;
   ManualDrive manual_;
+  // For the next step; and whether the last one was steered.
+  std::optional<SteeringCommand> steering_;
+  bool is_steered_ = false;
   GoalExecutor runner_;
   std::shared_ptr<const zones::ZoneMap> zones_;
 
@@ -130,6 +136,9 @@ void NavigatorOfParts::Step() {
   ++steps_;
   parts_.planner->BeginStep();
   deadline_.Step(now_);
+  const std::optional<SteeringCommand> steering =
+      std::exchange(steering_, std::nullopt);
+  is_steered_ = is_steered_ && steering.has_value();
   sensors_.Poll(now_, command_);
   FeedTracker();
   ChooseFrame();
@@ -153,7 +162,7 @@ void NavigatorOfParts::Step() {
     Command({}, true);
     return;
   }
-  Command(Decide(), false);
+  Command(Decide(steering), false);
 }
 
 void NavigatorOfParts::FeedTracker() {
@@ -280,20 +289,14 @@ std::vector<StopReason> NavigatorOfParts::FindProblems() const {
   if (std::optional<StopReason> late = deadline_.Problem()) {
     problems.push_back(*std::move(late));
   }
-  const std::optional<control::ControlPose> pose = PoseNow();
-  if (pose.has_value() &&
-      (!IsFinite(pose->pose) ||
-       base::SecondsBetween(pose->stamp, now_) > kMaxEstimateAge_s)) {
-    problems.push_back(
-        {.cause = core::NavigationCause::kEstimateLost,
-         .text = absl::StrFormat("the estimate of its pose is %.2f s old, or "
-                                 "not finite",
-                                 base::SecondsBetween(pose->stamp, now_))});
+  if (std::optional<StopReason> stale = EstimateProblem(PoseNow(), now_)) {
+    problems.push_back(*std::move(stale));
   }
   return problems;
 }
 
-core::VelocityCommand NavigatorOfParts::Decide() {
+core::VelocityCommand NavigatorOfParts::Decide(
+    const std::optional<SteeringCommand>& steering) {
   const std::optional<control::ControlPose> pose = PoseNow();
   if (is_halted_ || !pose.has_value()) {
     SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone,
@@ -319,24 +322,24 @@ core::VelocityCommand NavigatorOfParts::Decide() {
     }
     return parts_.controller->Guard(*pose, {});
   }
+  if (steering.has_value()) return StepSteering(*pose, *steering);
   const core::VelocityCommand command = runner_.Step(*pose, now_);
-  switch (runner_.phase()) {
-    case GoalPhase::kNone:
-      SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone, "");
-      break;
-    case GoalPhase::kToPlan:
-    case GoalPhase::kPlanning:
-      SetMode(NavigatorMode::kPlanning, core::NavigationCause::kNone, "");
-      break;
-    case GoalPhase::kDriving:
-      SetMode(NavigatorMode::kDriving, core::NavigationCause::kNone, "");
-      break;
-    case GoalPhase::kRecovering:
-      SetMode(NavigatorMode::kRecovering, runner_.trouble(),
-              core::NavigationCauseAdvice(runner_.trouble()));
-      break;
-  }
+  const core::NavigationCause trouble = runner_.trouble();
+  SetMode(ModeOf(runner_.phase()), trouble,
+          trouble == core::NavigationCause::kNone
+              ? ""
+              : core::NavigationCauseAdvice(trouble));
   return command;
+}
+
+core::VelocityCommand NavigatorOfParts::StepSteering(
+    const control::ControlPose& pose, const SteeringCommand& steering) {
+  if (!std::exchange(is_steered_, true)) runner_.Suspend();
+  SetMode(NavigatorMode::kDriving, core::NavigationCause::kNone, steering.what);
+  return parts_.controller->GuardUpTo(
+      {.map_from_docked = steering.docked.map_from_base,
+       .is_backward = steering.is_backward},
+      pose, steering.wanted);
 }
 
 core::VelocityCommand NavigatorOfParts::StepLost(
@@ -478,6 +481,14 @@ absl::Status NavigatorOfParts::Drive(const core::VelocityCommand& wanted) {
   return absl::OkStatus();
 }
 
+absl::Status NavigatorOfParts::Steer(const SteeringCommand& steering) {
+  TL_RETURN_IF_ERROR(stop_.Refuse("the dock"));
+  TL_RETURN_IF_ERROR(
+      CheckSteering(steering, parts_.map->levels(), zones_.get()));
+  steering_ = steering;
+  return absl::OkStatus();
+}
+
 absl::Status NavigatorOfParts::SetZones(
     std::shared_ptr<const zones::ZoneMap> zones) {
   events_.SetTime(clock_.Now());
@@ -507,11 +518,7 @@ absl::Status NavigatorOfParts::SetPose(
   runner_.Suspend();
   runner_.blockages().Clear();
   parts_.controller->ClearObstacles();
-  events_.Add("pose", absl::StrFormat("told that it is at (%.2f, %.2f) on "
-                                      "level %d",
-                                      placed.map_from_base.translation.x,
-                                      placed.map_from_base.translation.y,
-                                      placed.place.level));
+  events_.Add("pose", absl::StrCat("told that it is at ", PlaceText(placed)));
   return absl::OkStatus();
 }
 

@@ -4,6 +4,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
+#include "common/base/status_macros.h"
 #include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
@@ -40,6 +42,27 @@ absl::Status CheckNotKeptOut(const core::LevelPose& pose,
       "'%s'",
       what, at.x, at.y, pose.place.level,
       zones->KeepOutName(pose.place.level, at)));
+}
+
+absl::Status CheckSteering(const SteeringCommand& steering, int levels,
+                           const zones::ZoneMap* zones) {
+  if (!std::isfinite(steering.wanted.forward_mps) ||
+      !std::isfinite(steering.wanted.yaw_rate_radps)) {
+    return absl::InvalidArgumentError("a velocity is not finite");
+  }
+  TL_RETURN_IF_ERROR(CheckOnLevels(steering.docked, "a dock", levels));
+  return CheckNotKeptOut(steering.docked, "the dock", zones);
+}
+
+std::optional<StopReason> EstimateProblem(
+    const std::optional<control::ControlPose>& pose, base::MonotonicTime now) {
+  if (!pose.has_value()) return std::nullopt;
+  const double age_s = base::SecondsBetween(pose->stamp, now);
+  if (IsFinite(pose->pose) && age_s <= kMaxEstimateAge_s) return std::nullopt;
+  return StopReason{
+      .cause = core::NavigationCause::kEstimateLost,
+      .text = absl::StrFormat(
+          "the estimate of its pose is %.2f s old, or not finite", age_s)};
 }
 
 std::optional<control::ControlPose> ControlPoseOf(

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "nav_agent/behavior/navigator.h"
 #include "nav_agent/behavior/relocalization_behavior.h"
+#include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/control/control_pose.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/robot_tracker.h"
@@ -25,6 +27,16 @@ absl::Status CheckOnLevels(const core::LevelPose& pose, const std::string& what,
 absl::Status CheckNotKeptOut(const core::LevelPose& pose,
                              const std::string& what,
                              const zones::ZoneMap* zones);
+
+// What the navigator is told to do at a dock, of a map with so many levels.
+// INVALID_ARGUMENT: not finite, or on no level. FAILED_PRECONDITION: as
+// CheckNotKeptOut.
+absl::Status CheckSteering(const SteeringCommand& steering, int levels,
+                           const zones::ZoneMap* zones);
+
+// The robot stands if its estimate is old, or not finite.
+std::optional<StopReason> EstimateProblem(
+    const std::optional<control::ControlPose>& pose, base::MonotonicTime now);
 
 // In the wheels' frame: where that is on the map is not known.
 std::optional<control::ControlPose> ControlPoseOf(

@@ -117,6 +117,12 @@ class FakeController final : public control::LocalController {
     last_guarded = pose;
     return guard_stops ? core::VelocityCommand{} : wanted;
   }
+  core::VelocityCommand GuardUpTo(
+      const control::CloseApproach& approach, const control::ControlPose& pose,
+      const core::VelocityCommand& wanted) override {
+    last_approach = approach;
+    return Guard(pose, wanted);
+  }
   bool CanTurn(const control::ControlPose& /*pose*/) const override {
     return can_turn;
   }
@@ -141,6 +147,7 @@ class FakeController final : public control::LocalController {
       .obstacle_radius_m = 0,
       .is_stopped_by_guard = false,
       .to_go_m = 5};
+  std::optional<control::CloseApproach> last_approach;
   int scans = 0;
   int rear_scans = 0;
   int frames = 0;

@@ -84,6 +84,7 @@ class CollisionGuard {
   // A point so far from the base matters to no command (m).
   double Reach_m() const;
   const CollisionGuardOptions& options() const { return options_; }
+  const Footprint& footprint() const { return footprint_; }
 
  private:
   // The first point that forbids a command; none: the end of `points`.

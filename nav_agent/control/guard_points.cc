@@ -18,7 +18,8 @@ double MarginOf_m(const ObservedPoint& point, bool knows_movers,
 // Those of one sensor, beam after beam.
 void AddSeen(const geometry::Rigid2& base_from_map,
              std::span<const ObservedPoint> seen, bool knows_movers,
-             const CollisionGuard& guard, std::vector<GuardPoint>& points) {
+             const CollisionGuard& guard, const CloseApproach* approach,
+             std::vector<GuardPoint>& points) {
   const double reach_m = guard.Reach_m();
   const CollisionGuardOptions& options = guard.options();
   geometry::Vec2 last = {1e9, 1e9};
@@ -29,6 +30,11 @@ void AddSeen(const geometry::Rigid2& base_from_map,
         geometry::Norm(in_base - last) < kSameBeam_m)
       continue;
     last = in_base;
+    if (approach != nullptr &&
+        approach->IsOfThing(point.in_map, guard.footprint())) {
+      points.push_back({.in_base = in_base});
+      continue;
+    }
     points.push_back(
         {.in_base = in_base,
          .margin_m = MarginOf_m(point, knows_movers, options),
@@ -42,7 +48,8 @@ void AddSeen(const geometry::Rigid2& base_from_map,
 std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                                       const LocalCostmap& costmap,
                                       std::span<const DynamicObstacle> movers,
-                                      const CollisionGuard& guard) {
+                                      const CollisionGuard& guard,
+                                      const CloseApproach* approach) {
   const geometry::Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
   const double reach_m = guard.Reach_m();
   const CollisionGuardOptions& options = guard.options();
@@ -50,7 +57,7 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
   const bool knows_movers = !pose.map_is_unknown;
   std::vector<GuardPoint> points;
   const auto add_seen = [&](std::span<const ObservedPoint> seen) {
-    AddSeen(base_from_map, seen, knows_movers, guard, points);
+    AddSeen(base_from_map, seen, knows_movers, guard, approach, points);
   };
   add_seen(costmap.scan_points(core::LaserMount::kFront));
   add_seen(costmap.scan_points(core::LaserMount::kRear));
@@ -61,6 +68,10 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
   }
   for (const RememberedObstacle& unseen : costmap.UnseenObstacles(
            pose.pose.map_from_base.translation, reach_m, pose.stamp)) {
+    if (approach != nullptr &&
+        approach->IsOfThing(unseen.in_map, guard.footprint())) {
+      continue;
+    }
     points.push_back({.in_base = base_from_map * unseen.in_map,
                       .margin_m = unseen.is_new ? options.new_margin_m
                                                 : options.cell_margin_m});

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "nav_agent/control/close_approach.h"
 #include "nav_agent/control/collision_guard.h"
 #include "nav_agent/control/control_pose.h"
 #include "nav_agent/control/dynamic_obstacle_tracker.h"
@@ -17,10 +18,15 @@ namespace treeline::control {
 // what the costmap has where no sensor looks; the map's about the place that a
 // robot which is lost supposes; and movers that are out of sight. Each with the
 // margin that the guard's options have for its kind.
+//
+// approach: null, or the thing that the robot drives up to. What is seen of it
+// has no margin; what is only remembered of it, or is the map's, is left out:
+// cells are too coarse to come up to.
 std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                                       const LocalCostmap& costmap,
                                       std::span<const DynamicObstacle> movers,
-                                      const CollisionGuard& guard);
+                                      const CollisionGuard& guard,
+                                      const CloseApproach* approach = nullptr);
 
 }  // namespace treeline::control
 

@@ -79,7 +79,14 @@ class BandController final : public LocalController {
   void SetPath(const std::vector<core::LevelPose>& path) override;
   ControlResult Step(const ControlPose& pose) override;
   core::VelocityCommand Guard(const ControlPose& pose,
-                              const core::VelocityCommand& wanted) override;
+                              const core::VelocityCommand& wanted) override {
+    return GuardAlways(nullptr, pose, wanted);
+  }
+  core::VelocityCommand GuardUpTo(
+      const CloseApproach& approach, const ControlPose& pose,
+      const core::VelocityCommand& wanted) override {
+    return GuardAlways(&approach, pose, wanted);
+  }
   bool CanTurn(const ControlPose& pose) const override {
     return CanTurnAt(pose.pose.map_from_base, costmap_);
   }
@@ -112,6 +119,10 @@ class BandController final : public LocalController {
   RegulatedVelocity Allow(const ControlPose& pose,
                           const core::VelocityCommand& wanted,
                           std::span<const GuardPoint> points);
+  // approach: null, or what it drives up to.
+  core::VelocityCommand GuardAlways(const CloseApproach* approach,
+                                    const ControlPose& pose,
+                                    const core::VelocityCommand& wanted);
   void NoteProgress(const ControlPose& pose);
   bool MayBackUp(const ControlPose& pose) const;
   StuckDetectorInput StandstillInputOf(
@@ -214,13 +225,14 @@ RegulatedVelocity BandController::Allow(const ControlPose& pose,
   return allowed;
 }
 
-core::VelocityCommand BandController::Guard(
-    const ControlPose& pose, const core::VelocityCommand& wanted) {
+core::VelocityCommand BandController::GuardAlways(
+    const CloseApproach* approach, const ControlPose& pose,
+    const core::VelocityCommand& wanted) {
   if (!IsFinitePose(pose)) return Allow(pose, wanted, {}).velocity;
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
   const std::vector<GuardPoint> points = GuardPointsOf(
-      pose, costmap_, dynamic_obstacles_.DynamicObstacles(), guard_);
+      pose, costmap_, dynamic_obstacles_.DynamicObstacles(), guard_, approach);
   return Allow(pose, wanted, points).velocity;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "nav_agent/control/close_approach.h"
 #include "nav_agent/control/control_pose.h"
 #include "nav_agent/control/regulator_switches.h"
 #include "nav_agent/control/setting_parameters.h"
@@ -106,6 +107,11 @@ class LocalController {
   // allow; the last thing between any command and the base.
   virtual core::VelocityCommand Guard(const ControlPose& pose,
                                       const core::VelocityCommand& wanted) = 0;
+  // The same for a robot that drives up to a thing: of what is seen of it, no
+  // more room is kept than not to touch it.
+  virtual core::VelocityCommand GuardUpTo(
+      const CloseApproach& approach, const ControlPose& pose,
+      const core::VelocityCommand& wanted) = 0;
   // Whether the footprint can turn fully, or move so far ahead (negative:
   // back), without touching what is known.
   virtual bool CanTurn(const ControlPose& pose) const = 0;

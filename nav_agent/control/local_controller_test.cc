@@ -46,6 +46,14 @@ class Drive {
     Look();
     Obey(controller_->Guard(pose_, wanted));
   }
+  // The same; approach: null, or what it drives up to.
+  void Creep(const CloseApproach* approach,
+             const core::VelocityCommand& wanted) {
+    Look();
+    Obey(approach == nullptr
+             ? controller_->Guard(pose_, wanted)
+             : controller_->GuardUpTo(*approach, pose_, wanted));
+  }
   ControlResult Step() {
     Look();
     const ControlResult result = controller_->Step(pose_);
@@ -104,6 +112,36 @@ TEST(LocalController, AGoalIsNotReachedWhileItMoves) {
   EXPECT_LT(geometry::Norm(drive.pose().pose.map_from_base.translation -
                            geometry::Vec2{4, 6}),
             0.1);
+}
+
+// Creeps on for 10 s; how near the front has come to a thing at x = 5 m.
+double GapAfterCreeping_m(Drive& drive, const CloseApproach* approach) {
+  for (int i = 0; i < 400; ++i) {
+    drive.Creep(approach, {.forward_mps = 0.1, .yaw_rate_radps = 0});
+  }
+  return 5 - 0.3 - drive.pose().pose.map_from_base.translation.x;
+}
+
+// A dock: a box that no map has. Without leave it is kept off as all new things
+// are.
+TEST(LocalController, ComesUpToItsDockAndDoesNotTouchIt) {
+  const auto dock = TestingBox({5, 5.7}, {5.3, 6.3});
+  const CloseApproach approach = {.map_from_docked = {{4.7, 6}, 0}};
+  Drive kept_off(TestingFloor(), TestingPose(4, 6), dock);
+  EXPECT_GT(GapAfterCreeping_m(kept_off, nullptr), 0.1);
+  Drive close(TestingFloor(), TestingPose(4, 6), dock);
+  const double gap_m = GapAfterCreeping_m(close, &approach);
+  EXPECT_LT(gap_m, 0.02);
+  EXPECT_GE(gap_m, 0);
+}
+
+TEST(LocalController, SomebodyBeforeItsDockIsKeptOffAsEverywhere) {
+  const auto dock = TestingBox({5, 5.7}, {5.3, 6.3});
+  const auto legs = TestingBox({4.75, 5.9}, {4.85, 6.1});
+  const CloseApproach approach = {.map_from_docked = {{4.7, 6}, 0}};
+  Drive drive(TestingFloor(), TestingPose(3.8, 6),
+              [&](geometry::Vec2 at) { return dock(at) || legs(at); });
+  EXPECT_GT(GapAfterCreeping_m(drive, &approach), 0.25 + 0.1);
 }
 
 TEST(LocalController, DrivesAroundACrateOnItsPath) {

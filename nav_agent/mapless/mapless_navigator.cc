@@ -54,6 +54,10 @@ class MaplessNavigator final : public behavior::Navigator {
   void Stop(const std::string& why) override;
   void Release() override;
   absl::Status Drive(const core::VelocityCommand& wanted) override;
+  absl::Status Steer(const behavior::SteeringCommand& /*steering*/) override {
+    return absl::FailedPreconditionError(
+        "it drives without a map, and so to no dock");
+  }
   absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
   absl::Status SetPose(
       const core::LevelPose& pose,

@@ -36,6 +36,9 @@ class RouteRunner {
   // drives already. NOT_FOUND: there is none to go on with.
   // FAILED_PRECONDITION: the robot is stopped.
   absl::Status Resume(behavior::Navigator& navigator);
+  // One that is under way waits for Resume, and its goal may be replaced: for
+  // who has something more urgent for the robot to do.
+  void Hold(const std::string& why);
   // NOT_FOUND: there is none.
   absl::Status Cancel(behavior::Navigator& navigator);
   // Nothing happens any more, and the route stays what it is: for the end of
@@ -71,7 +74,6 @@ class RouteRunner {
   bool Miss(core::NavigationCause cause, const std::string& why);
   bool Next();
   void GoOrHold(behavior::Navigator& navigator);
-  void Hold(const std::string& why);
   void End(RouteState state, const std::string& why);
   core::LevelPose PoseOf(const behavior::Navigator& navigator,
                          size_t waypoint) const;

@@ -142,11 +142,19 @@ std::vector<core::LevelPose> AgentCommands::PosesOf(uint64_t goal_id) const {
 absl::Status AgentCommands::Cancel(uint64_t goal_id) {
   return hub_.Do([&](behavior::Navigator& navigator) {
     routes::RouteRunner& runner = routes_.runner();
+    docking::DockPilot& pilot = docks_.pilot();
+    if (pilot.IsUnderWay() && (goal_id == 0 || goal_id == pilot.goal_id())) {
+      return pilot.Cancel(navigator);
+    }
     if (runner.IsUnderWay() &&
         (goal_id == 0 || goal_id == runner.status()->goal_id)) {
       return runner.Cancel(navigator);
     }
     const absl::Status cancelled = navigator.CancelGoal(goal_id);
+    if (goal_id == 0 && absl::IsNotFound(cancelled) &&
+        pilot.Cancel(navigator).ok()) {
+      return absl::OkStatus();
+    }
     const bool may_be_route =
         goal_id == 0 && absl::IsNotFound(cancelled) && runner.IsOpen();
     return may_be_route ? runner.Cancel(navigator) : cancelled;
@@ -163,7 +171,9 @@ absl::Status AgentCommands::Pause() {
 absl::Status AgentCommands::Resume() {
   return hub_.Do([this](behavior::Navigator& navigator) -> absl::Status {
     navigator.Resume();
-    if (!routes_.runner().IsHeld() || HasGoal(navigator)) {
+    docks_.keeper().Resume();
+    if (!routes_.runner().IsHeld() || HasGoal(navigator) ||
+        docks_.pilot().IsUnderWay()) {
       return absl::OkStatus();
     }
     return routes_.runner().Resume(navigator);
@@ -207,11 +217,87 @@ void AgentCommands::StepRoute(behavior::Navigator& navigator,
   routes_.Step(navigator, now);
   const std::optional<core::LevelPose>& target = routes_.runner().target();
   if (!target.has_value()) return;
-  const uint64_t goal_id = routes_.runner().status()->goal_id;
+  NoteTarget(routes_.runner().status()->goal_id, *target);
+}
+
+void AgentCommands::StepDocks(behavior::Navigator& navigator,
+                              base::MonotonicTime now,
+                              const std::optional<core::Battery>& battery) {
+  docks_.Step(navigator, routes_.runner(), now, battery);
+  const docking::DockPilot& pilot = docks_.pilot();
+  if (pilot.goal_id() != 0) NoteTarget(pilot.goal_id(), pilot.target());
+}
+
+void AgentCommands::NoteTarget(uint64_t goal_id,
+                               const core::LevelPose& target) {
   const absl::MutexLock lock(&mutex_);
   if (goal_id_ == goal_id) return;
   goal_id_ = goal_id;
-  goal_poses_ = {*target};
+  goal_poses_ = {target};
+}
+
+absl::StatusOr<uint64_t> AgentCommands::DockNow(behavior::Navigator& navigator,
+                                                const std::string& name) {
+  docking::Dock dock;
+  if (name.empty()) {
+    const auto pose = navigator.Snapshot().pose;
+    TL_ASSIGN_OR_RETURN(
+        dock, docking::NearestOf(
+                  docks_.book().contents().things,
+                  pose.has_value() ? std::optional(pose->pose) : std::nullopt));
+  } else {
+    TL_ASSIGN_OR_RETURN(dock, docks_.book().Find(name));
+  }
+  docks_.FollowBook();
+  TL_RETURN_IF_ERROR(docking::DockPilot::Check(navigator, dock));
+  if (routes_.runner().IsUnderWay()) {
+    routes_.runner().Hold("somebody sent the robot to a dock");
+  }
+  return docks_.pilot().Begin(navigator, dock);
+}
+
+absl::StatusOr<uint64_t> AgentCommands::Dock(const std::string& name) {
+  uint64_t id = 0;
+  TL_RETURN_IF_ERROR(
+      hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
+        TL_ASSIGN_OR_RETURN(id, DockNow(navigator, name));
+        return absl::OkStatus();
+      }));
+  return id;
+}
+
+absl::Status AgentCommands::Undock() {
+  return hub_.Do([this](behavior::Navigator& navigator) {
+    docks_.FollowBook();
+    return docks_.pilot().DriveOut(navigator);
+  });
+}
+
+absl::Status AgentCommands::CancelDocking(uint64_t id) {
+  return hub_.Do([this, id](behavior::Navigator& navigator) -> absl::Status {
+    docking::DockPilot& pilot = docks_.pilot();
+    if (id != 0 && pilot.status().id != id) {
+      return absl::NotFoundError(
+          absl::StrCat("docking ", id, " is not under way"));
+    }
+    return pilot.Cancel(navigator);
+  });
+}
+
+absl::StatusOr<core::LevelPose> AgentCommands::WhereItStands() const {
+  const std::shared_ptr<const AgentState> state = hub_.Latest();
+  if (state == nullptr || !state->snapshot.pose.has_value()) {
+    return absl::FailedPreconditionError("the robot does not know where it is");
+  }
+  const behavior::NavigatorMode mode = state->snapshot.mode;
+  if (state->snapshot.pose->in_doubt ||
+      mode == behavior::NavigatorMode::kLost ||
+      mode == behavior::NavigatorMode::kRelocalizing ||
+      mode == behavior::NavigatorMode::kNeedHelp) {
+    return absl::FailedPreconditionError(
+        "the robot is not sure where it is; tell it, or let it find itself");
+  }
+  return state->snapshot.pose->pose;
 }
 
 void AgentCommands::ShowRoute(AgentState& state) {
@@ -219,6 +305,7 @@ void AgentCommands::ShowRoute(AgentState& state) {
   state.route_keeping = routes_.keeping();
   state.routes_revision = routes_.book().revision() +
                           (state.route.has_value() ? state.route->id : 0);
+  state.docks = docks_.Report();
 }
 
 absl::StatusOr<StopKeeping> AgentCommands::Stop(const std::string& why) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "common/base/clock.h"
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/agent_info.h"
+#include "nav_agent/service/dock_desk.h"
 #include "nav_agent/service/driver_seat.h"
 #include "nav_agent/service/route_desk.h"
 #include "nav_agent/service/simulation_control.h"
@@ -45,11 +47,12 @@ struct StopKeeping {
 // navigator or the simulation says.
 class AgentCommands {
  public:
-  // simulation: null for a real robot. stops, zones, routes: null if no restart
-  // is to find them. All must outlive it.
+  // simulation: null for a real robot. stops, zones, routes, docks: null if no
+  // restart is to find them. All must outlive it.
   AgentCommands(AgentHub& hub, const AgentInfo& info,
                 SimulationControl* simulation, StopFile* stops = nullptr,
-                ZoneBook* zones = nullptr, RouteDesk* routes = nullptr)
+                ZoneBook* zones = nullptr, RouteDesk* routes = nullptr,
+                DockDesk* docks = nullptr)
       : hub_(hub),
         info_(info),
         simulation_(simulation),
@@ -57,15 +60,19 @@ class AgentCommands {
         unkept_zones_(info.map),
         zones_(zones == nullptr ? unkept_zones_ : *zones),
         unkept_routes_(static_cast<int>(info.map->levels.levels.size())),
-        routes_(routes == nullptr ? unkept_routes_ : *routes) {}
+        routes_(routes == nullptr ? unkept_routes_ : *routes),
+        unkept_docks_(std::make_unique<DockBook>(info.map), info.robot, {}),
+        docks_(docks == nullptr ? unkept_docks_ : *docks) {}
 
   // Any thread. INVALID_ARGUMENT: none or too many, not finite, absurdly far,
   // or no such level, and which there are.
   absl::StatusOr<uint64_t> SetGoal(const std::vector<RequestedPose>& poses);
-  // 0: whichever goal there is, or route. A route ends with its goal.
+  // 0: whichever goal there is, or docking, or route. These end with their
+  // goals.
   absl::Status Cancel(uint64_t goal_id);
   absl::Status Pause();
-  // And a route that is held goes on, unless another goal is under way.
+  // And a route that is held goes on, unless another goal or a docking is under
+  // way; and the robot may go to charge.
   absl::Status Resume();
   // The robot stands from the next step on. The error is of that; what is wrong
   // with keeping the stop is in the answer. INVALID_ARGUMENT: longer than
@@ -92,6 +99,15 @@ class AgentCommands {
   // For its book, and for the stepping thread its runner.
   RouteDesk& routes() { return routes_; }
   const RouteDesk& routes() const { return routes_; }
+  // As DockingService has it. An empty name: the nearest. 0: whichever docking
+  // there is.
+  absl::StatusOr<uint64_t> Dock(const std::string& name);
+  absl::Status Undock();
+  absl::Status CancelDocking(uint64_t id = 0);
+  // FAILED_PRECONDITION: it does not know.
+  absl::StatusOr<core::LevelPose> WhereItStands() const;
+  DockDesk& docks() { return docks_; }
+  const DockDesk& docks() const { return docks_; }
   // Standard deviations (m, rad), in (0, 100]; INVALID_ARGUMENT otherwise.
   absl::Status SetPose(const RequestedPose& pose, double std_m, double std_rad);
   absl::Status FindYourself();
@@ -113,6 +129,9 @@ class AgentCommands {
   // published.
   void StepRoute(behavior::Navigator& navigator, base::MonotonicTime now);
   void ShowRoute(AgentState& state);
+  // The same of docks, after StepRoute.
+  void StepDocks(behavior::Navigator& navigator, base::MonotonicTime now,
+                 const std::optional<core::Battery>& battery);
   absl::StatusOr<uint64_t> SetGoalNow(behavior::Navigator& navigator,
                                       const std::vector<RequestedPose>& poses);
   static absl::Status SetPoseNow(behavior::Navigator& navigator,
@@ -135,6 +154,10 @@ class AgentCommands {
       const std::function<absl::StatusOr<geometry::Rigid3>(SimulationControl&)>&
           kidnap);
   absl::Status CheckSimulated() const;
+  absl::StatusOr<uint64_t> DockNow(behavior::Navigator& navigator,
+                                   const std::string& name);
+  // What PosesOf knows of a goal that was set above the navigator.
+  void NoteTarget(uint64_t goal_id, const core::LevelPose& target);
   absl::Status ApplyZones(const std::shared_ptr<const zones::ZoneMap>& zones);
 
   AgentHub& hub_;
@@ -146,6 +169,8 @@ class AgentCommands {
   ZoneBook& zones_;
   RouteDesk unkept_routes_;
   RouteDesk& routes_;
+  DockDesk unkept_docks_;
+  DockDesk& docks_;
   const base::SteadyClock real_clock_;
   // Stops so far: one during a release ends it.
   std::atomic<int64_t> stopped_ = 0;

@@ -49,9 +49,12 @@ absl::Status AgentGrpcOptions::Validate() const {
 // Destroyed from the last to the first: the server before what it calls.
 struct AgentGrpcServer::Parts {
   Parts(AgentCommands& commands, int max_streams)
-      : navigation(commands, max_streams), simulation(commands) {}
+      : navigation(commands, max_streams),
+        docking(commands, max_streams),
+        simulation(commands) {}
 
   NavigationGrpcService navigation;
+  DockingGrpcService docking;
   SimulationGrpcService simulation;
   grpc_server::GrpcListener listener;
 };
@@ -78,6 +81,7 @@ absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
                            .keepalive_timeout_ms = kKeepaliveTimeout_ms},
                           [&](grpc::ServerBuilder& builder) {
                             builder.RegisterService(&parts->navigation);
+                            builder.RegisterService(&parts->docking);
                             if (commands.is_simulated()) {
                               builder.RegisterService(&parts->simulation);
                             }

@@ -19,6 +19,7 @@
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/core/battery.h"
 #include "nav_agent/routes/route_progress.h"
+#include "nav_agent/service/dock_desk.h"
 
 namespace treeline::agent_service {
 
@@ -62,6 +63,7 @@ struct AgentState {
   std::optional<routes::RouteStatus> route = std::nullopt;
   absl::Status route_keeping = {};
   uint64_t routes_revision = 0;
+  DockReport docks = {};
 };
 
 struct AgentHubOptions {

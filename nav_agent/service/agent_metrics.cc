@@ -55,6 +55,18 @@ AgentMetrics::AgentMetrics()
                                          "Of the robot's battery, V", {})),
       battery_charge_(&registry_.AddGauge("treeline_agent_battery_charge_ratio",
                                           "Of a full battery, in [0, 1]", {})),
+      dockings_(&registry_.AddCounter("treeline_agent_dockings_total",
+                                      "Finished dockings, by outcome",
+                                      {"outcome"})),
+      charge_trips_(
+          &registry_
+               .AddCounter("treeline_agent_charge_trips_total",
+                           "Trips to a dock for a battery that was low", {})
+               .With({})),
+      docked_(&registry_
+                   .AddGauge("treeline_agent_docked",
+                             "1 while the robot stands in a dock", {})
+                   .With({})),
       routes_(&registry_.AddCounter("treeline_agent_routes_total",
                                     "Finished routes, by outcome",
                                     {"outcome"})),
@@ -140,6 +152,22 @@ void AgentMetrics::ObserveState(const AgentState& state) {
   ObserveGoal(snapshot.goal);
   ObserveFix(snapshot);
   ObserveRoute(state.route);
+  ObserveDocks(state.docks);
+}
+
+void AgentMetrics::ObserveDocks(const DockReport& docks) {
+  docked_->Set(docks.docking.state == docking::DockingState::kDocked ? 1 : 0);
+  if (docks.charge_trips > counted_trips_) {
+    charge_trips_->Add(
+        static_cast<uint64_t>(docks.charge_trips - counted_trips_));
+    counted_trips_ = docks.charge_trips;
+  }
+  if (docks.docking.id == counted_docking_ ||
+      docks.docking.outcome == docking::DockingOutcome::kUnderWay) {
+    return;
+  }
+  counted_docking_ = docks.docking.id;
+  dockings_->With({docking::DockingOutcomeName(docks.docking.outcome)}).Add();
 }
 
 void AgentMetrics::ObserveRoute(

@@ -33,6 +33,7 @@ class AgentMetrics {
   void ObserveGoal(const std::optional<behavior::GoalStatus>& goal);
   void ObserveFix(const behavior::NavigatorSnapshot& snapshot);
   void ObserveRoute(const std::optional<routes::RouteStatus>& route);
+  void ObserveDocks(const DockReport& docks);
 
   metrics::Registry registry_;
   metrics::MetricFamily<metrics::Counter>* goals_;
@@ -43,6 +44,9 @@ class AgentMetrics {
   // Of a battery that tells, alone.
   metrics::MetricFamily<metrics::Gauge>* battery_volts_;
   metrics::MetricFamily<metrics::Gauge>* battery_charge_;
+  metrics::MetricFamily<metrics::Counter>* dockings_;
+  metrics::Counter* charge_trips_;
+  metrics::Gauge* docked_;
   metrics::MetricFamily<metrics::Counter>* routes_;
   metrics::MetricFamily<metrics::Counter>* waypoints_;
   metrics::Counter* recoveries_;
@@ -70,6 +74,8 @@ class AgentMetrics {
   uint64_t route_ = 0;
   int64_t route_reached_ = 0;
   int64_t route_missed_ = 0;
+  uint64_t counted_docking_ = 0;
+  int64_t counted_trips_ = 0;
 };
 
 }  // namespace treeline::agent_service

@@ -74,6 +74,28 @@ TEST(AgentMetrics, CountsRoutesAndWaypointsButNotThoseBeforeARestart) {
       HasSubstr("treeline_agent_routes_total{outcome=\"succeeded\"} 1\n"));
 }
 
+TEST(AgentMetrics, DockingsAndTripsAreCountedOnce) {
+  AgentMetrics metrics;
+  AgentState state;
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(),
+              Not(HasSubstr("\ntreeline_agent_dockings_total{")));
+  state.docks.docking = {.id = 1,
+                         .outcome = docking::DockingOutcome::kUnderWay};
+  state.docks.charge_trips = 1;
+  metrics.ObserveState(state);
+  state.docks.docking.outcome = docking::DockingOutcome::kSucceeded;
+  state.docks.docking.state = docking::DockingState::kDocked;
+  metrics.ObserveState(state);
+  metrics.ObserveState(state);
+  const std::string text = metrics.Expose();
+  EXPECT_THAT(
+      text,
+      HasSubstr("treeline_agent_dockings_total{outcome=\"succeeded\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_charge_trips_total 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_docked 1\n"));
+}
+
 TEST(AgentMetrics, ABatteryThatTellsNothingIsNotShown) {
   AgentMetrics metrics;
   AgentState state;

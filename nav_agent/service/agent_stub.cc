@@ -13,6 +13,12 @@ std::unique_ptr<v1::NavigationService::Stub> AgentStub(
       grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
 }
 
+std::unique_ptr<v1::DockingService::Stub> DockingStub(
+    const std::string& address) {
+  return v1::DockingService::NewStub(
+      grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+}
+
 absl::Status CallStatus(const std::string& address,
                         const grpc::Status& status) {
   return base::Annotate(wire::FromGrpc(status), address);

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
+#include "treeline/v1/docks.grpc.pb.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
 namespace treeline::agent_service {
@@ -17,6 +18,9 @@ namespace treeline::agent_service {
 inline constexpr char kAgentAddress[] = "127.0.0.1:50061";
 
 std::unique_ptr<v1::NavigationService::Stub> AgentStub(
+    const std::string& address);
+
+std::unique_ptr<v1::DockingService::Stub> DockingStub(
     const std::string& address);
 
 // What a call ended with, with the agent's address.

@@ -31,13 +31,13 @@ void AddUnary(absl::string_view service, absl::string_view name, Calls& calls,
       });
 }
 
-template <typename Request, typename Response>
-void AddStream(absl::string_view name, NavigationCalls& calls,
-               absl::Status (NavigationCalls::*method)(const Request&,
-                                                       MessageSink<Response>&),
+template <typename Request, typename Response, typename Calls>
+void AddStream(absl::string_view service, absl::string_view name, Calls& calls,
+               absl::Status (Calls::*method)(const Request&,
+                                             MessageSink<Response>&),
                connect_rpc::ConnectRouter& router) {
   router.AddStream<Request, Response>(
-      absl::StrCat("/treeline.v1.NavigationService/", name),
+      absl::StrCat("/treeline.v1.", service, "/", name),
       [&calls, method](const Request& request,
                        connect_rpc::ConnectStream& stream) {
         ConnectSink<Response> sink(stream);
@@ -51,9 +51,9 @@ void AddNavigationCalls(NavigationCalls& calls,
                         connect_rpc::ConnectRouter& router) {
   using Calls = NavigationCalls;
   constexpr char kService[] = "NavigationService";
-  AddStream("Navigate", calls, &Calls::Navigate, router);
-  AddStream("StreamState", calls, &Calls::StreamState, router);
-  AddStream("RunRoute", calls, &Calls::RunRoute, router);
+  AddStream(kService, "Navigate", calls, &Calls::Navigate, router);
+  AddStream(kService, "StreamState", calls, &Calls::StreamState, router);
+  AddStream(kService, "RunRoute", calls, &Calls::RunRoute, router);
   AddUnary<v1::ResumeRouteRequest>(kService, "ResumeRoute", calls,
                                    &Calls::ResumeRoute, router);
   AddUnary<v1::CancelRouteRequest>(kService, "CancelRoute", calls,
@@ -87,6 +87,20 @@ void AddNavigationCalls(NavigationCalls& calls,
                                       &Calls::SetInitialPose, router);
   AddUnary<v1::FindYourselfRequest>(kService, "FindYourself", calls,
                                     &Calls::FindYourself, router);
+}
+
+void AddDockingCalls(DockingCalls& calls, connect_rpc::ConnectRouter& router) {
+  using Calls = DockingCalls;
+  constexpr char kService[] = "DockingService";
+  AddUnary<v1::GetDocksRequest>(kService, "GetDocks", calls, &Calls::GetDocks,
+                                router);
+  AddUnary<v1::PutDocksRequest>(kService, "PutDocks", calls, &Calls::PutDocks,
+                                router);
+  AddUnary<v1::RemoveDocksRequest>(kService, "RemoveDocks", calls,
+                                   &Calls::RemoveDocks, router);
+  AddStream(kService, "Dock", calls, &Calls::Dock, router);
+  AddUnary<v1::UndockRequest>(kService, "Undock", calls, &Calls::Undock,
+                              router);
 }
 
 void AddSimulationCalls(SimulationCalls& calls,

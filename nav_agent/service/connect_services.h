@@ -1,8 +1,9 @@
-// NavigationService and SimulationService over Connect.
+// NavigationService, DockingService and SimulationService over Connect.
 #ifndef NAV_AGENT_SERVICE_CONNECT_SERVICES_H_
 #define NAV_AGENT_SERVICE_CONNECT_SERVICES_H_
 
 #include "common/connect_rpc/connect_router.h"
+#include "nav_agent/service/docking_calls.h"
 #include "nav_agent/service/navigation_calls.h"
 #include "nav_agent/service/simulation_calls.h"
 
@@ -11,6 +12,7 @@ namespace treeline::agent_service {
 // Each: `calls` must outlive `router`.
 void AddNavigationCalls(NavigationCalls& calls,
                         connect_rpc::ConnectRouter& router);
+void AddDockingCalls(DockingCalls& calls, connect_rpc::ConnectRouter& router);
 void AddSimulationCalls(SimulationCalls& calls,
                         connect_rpc::ConnectRouter& router);
 

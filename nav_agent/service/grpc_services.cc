@@ -161,6 +161,37 @@ grpc::Status NavigationGrpcService::FindYourself(
   return Answer(calls_.FindYourself(*request), *response);
 }
 
+grpc::Status DockingGrpcService::GetDocks(grpc::ServerContext* /*context*/,
+                                          const v1::GetDocksRequest* request,
+                                          v1::GetDocksResponse* response) {
+  return Answer(calls_.GetDocks(*request), *response);
+}
+
+grpc::Status DockingGrpcService::PutDocks(grpc::ServerContext* /*context*/,
+                                          const v1::PutDocksRequest* request,
+                                          v1::PutDocksResponse* response) {
+  return Answer(calls_.PutDocks(*request), *response);
+}
+
+grpc::Status DockingGrpcService::RemoveDocks(
+    grpc::ServerContext* /*context*/, const v1::RemoveDocksRequest* request,
+    v1::RemoveDocksResponse* response) {
+  return Answer(calls_.RemoveDocks(*request), *response);
+}
+
+grpc::Status DockingGrpcService::Dock(
+    grpc::ServerContext* context, const v1::DockRequest* request,
+    grpc::ServerWriter<v1::DockResponse>* writer) {
+  GrpcSink<v1::DockResponse> sink(*context, *writer);
+  return wire::ToGrpc(calls_.Dock(*request, sink));
+}
+
+grpc::Status DockingGrpcService::Undock(grpc::ServerContext* /*context*/,
+                                        const v1::UndockRequest* request,
+                                        v1::UndockResponse* response) {
+  return Answer(calls_.Undock(*request), *response);
+}
+
 grpc::Status SimulationGrpcService::Kidnap(grpc::ServerContext* /*context*/,
                                            const v1::KidnapRequest* request,
                                            v1::KidnapResponse* response) {

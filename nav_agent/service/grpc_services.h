@@ -1,9 +1,11 @@
-// NavigationService and SimulationService over gRPC.
+// NavigationService, DockingService and SimulationService over gRPC.
 #ifndef NAV_AGENT_SERVICE_GRPC_SERVICES_H_
 #define NAV_AGENT_SERVICE_GRPC_SERVICES_H_
 
+#include "nav_agent/service/docking_calls.h"
 #include "nav_agent/service/navigation_calls.h"
 #include "nav_agent/service/simulation_calls.h"
+#include "treeline/v1/docks.grpc.pb.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
 namespace treeline::agent_service {
@@ -81,6 +83,32 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
 
  private:
   NavigationCalls calls_;
+};
+
+// As NavigationGrpcService.
+class DockingGrpcService final : public v1::DockingService::Service {
+ public:
+  DockingGrpcService(AgentCommands& commands, int max_streams)
+      : calls_(commands, max_streams) {}
+
+  grpc::Status GetDocks(grpc::ServerContext* context,
+                        const v1::GetDocksRequest* request,
+                        v1::GetDocksResponse* response) override;
+  grpc::Status PutDocks(grpc::ServerContext* context,
+                        const v1::PutDocksRequest* request,
+                        v1::PutDocksResponse* response) override;
+  grpc::Status RemoveDocks(grpc::ServerContext* context,
+                           const v1::RemoveDocksRequest* request,
+                           v1::RemoveDocksResponse* response) override;
+  grpc::Status Dock(grpc::ServerContext* context,
+                    const v1::DockRequest* request,
+                    grpc::ServerWriter<v1::DockResponse>* writer) override;
+  grpc::Status Undock(grpc::ServerContext* context,
+                      const v1::UndockRequest* request,
+                      v1::UndockResponse* response) override;
+
+ private:
+  DockingCalls calls_;
 };
 
 class SimulationGrpcService final : public v1::SimulationService::Service {

@@ -118,6 +118,7 @@ HttpApi::HttpApi(AgentCommands& commands, AgentMetrics& metrics,
       options_(options),
       files_(options.page_folder),
       navigation_(commands, options.max_streams),
+      docking_(commands, options.max_streams),
       simulation_(commands),
       connect_(clock,
                {.require_protocol_version = true,
@@ -125,6 +126,7 @@ HttpApi::HttpApi(AgentCommands& commands, AgentMetrics& metrics,
   AddGets();
   AddPosts();
   AddNavigationCalls(navigation_, connect_);
+  AddDockingCalls(docking_, connect_);
   if (!commands_.is_simulated()) return;
   AddSimulationPosts();
   AddSimulationCalls(simulation_, connect_);

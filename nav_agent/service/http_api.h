@@ -23,6 +23,7 @@
 #include "nav_agent/service/agent_commands.h"
 #include "nav_agent/service/agent_metrics.h"
 #include "nav_agent/service/device_taps.h"
+#include "nav_agent/service/docking_calls.h"
 #include "nav_agent/service/event_stream.h"
 #include "nav_agent/service/navigation_calls.h"
 #include "nav_agent/service/simulation_calls.h"
@@ -85,6 +86,7 @@ class HttpApi final : public http::HttpHandler {
   const HttpApiOptions options_;
   const http::StaticFiles files_;
   NavigationCalls navigation_;
+  DockingCalls docking_;
   SimulationCalls simulation_;
   connect_rpc::ConnectRouter connect_;
   std::map<std::string, Get> gets_;

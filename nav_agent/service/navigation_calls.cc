@@ -195,11 +195,11 @@ uint64_t NavigationCalls::RoutesRevision() const {
 absl::StatusOr<v1::GetRoutesResponse> NavigationCalls::GetRoutes(
     const v1::GetRoutesRequest& /*request*/) const {
   const RouteBook& book = commands_.routes().book();
-  const RouteBookContents contents = book.contents();
+  const KeptContents<routes::Route> contents = book.contents();
   const std::shared_ptr<const AgentState> state = commands_.hub().Latest();
   v1::GetRoutesResponse response;
   response.set_revision(RoutesRevision());
-  for (const routes::Route& route : contents.routes) {
+  for (const routes::Route& route : contents.things) {
     *response.add_routes() = ToProto(route);
   }
   if (state != nullptr && state->route.has_value() &&

@@ -6,6 +6,7 @@
 #include "common/base/clock.h"
 #include "common/geometry/planar_pose.h"
 #include "common/wire/geometry.h"
+#include "nav_agent/service/docks_wire.h"
 #include "nav_agent/service/routes_wire.h"
 #include "nav_agent/service/utf8_text.h"
 
@@ -204,6 +205,7 @@ v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state) {
     *proto.mutable_route() = ToProto(*state.route, state.route_keeping);
   }
   proto.set_routes_revision(state.routes_revision);
+  *proto.mutable_docking() = ToProto(state.docks);
   if (snapshot.stop.has_value()) {
     v1::OperatorStop& stop = *proto.mutable_stop();
     stop.set_why(Utf8(snapshot.stop->why));

@@ -62,7 +62,7 @@ TEST_F(RouteDeskTest, KeptRoutesAreFoundAgain) {
     EXPECT_EQ(desk->book().revision(), 4U);
   }
   const auto again = *Open();
-  ASSERT_EQ(again->book().contents().routes.size(), 1U);
+  ASSERT_EQ(again->book().contents().things.size(), 1U);
   EXPECT_TRUE(again->book().Find("a")->is_loop);
   const absl::Status missing = again->book().Find("b").status();
   EXPECT_TRUE(absl::IsNotFound(missing));
@@ -101,8 +101,8 @@ TEST_F(RouteDeskTest, WhatCannotBeKeptIsNotPut) {
   EXPECT_FALSE(status.ok());
   EXPECT_THAT(status.message(), HasSubstr("the routes stay as they were"));
   EXPECT_FALSE(desk->book().Remove({"a"}).ok());
-  EXPECT_EQ(desk->book().contents().routes.size(), 1U);
-  EXPECT_EQ((*Open())->book().contents().routes.size(), 1U);
+  EXPECT_EQ(desk->book().contents().things.size(), 1U);
+  EXPECT_EQ((*Open())->book().contents().things.size(), 1U);
 }
 
 TEST_F(RouteDeskTest, AllOrNothing) {
@@ -113,7 +113,7 @@ TEST_F(RouteDeskTest, AllOrNothing) {
   good.waypoints.pop_back();
   ASSERT_TRUE(desk.book().Put({good}).ok());
   EXPECT_TRUE(absl::IsNotFound(desk.book().Remove({"a", "gone"}).status()));
-  EXPECT_EQ(desk.book().contents().routes.size(), 1U);
+  EXPECT_EQ(desk.book().contents().things.size(), 1U);
   EXPECT_THAT(desk.book().keeping().message(),
               HasSubstr("without --state-dir"));
   EXPECT_THAT(desk.keeping().message(), HasSubstr("without --state-dir"));

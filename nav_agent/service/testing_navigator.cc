@@ -63,6 +63,20 @@ absl::Status FakeNavigator::Drive(const core::VelocityCommand& wanted) {
   return absl::OkStatus();
 }
 
+absl::Status FakeNavigator::Steer(const behavior::SteeringCommand& steering) {
+  if (snapshot.stop.has_value()) {
+    return absl::FailedPreconditionError("it is stopped");
+  }
+  snapshot.command = steering.wanted;
+  snapshot.mode = behavior::NavigatorMode::kDriving;
+  if (!snapshot.pose.has_value()) snapshot.pose = localization::TrackedPose{};
+  constexpr double kStep_s = 0.1;
+  geometry::Rigid2& at = snapshot.pose->pose.map_from_base;
+  at = at * geometry::Rigid2{{kStep_s * steering.wanted.forward_mps, 0},
+                             kStep_s * steering.wanted.yaw_rate_radps};
+  return absl::OkStatus();
+}
+
 absl::StatusOr<uint64_t> FakeNavigator::SetGoal(
     const behavior::NavigationGoal& goal) {
   if (snapshot.stop.has_value()) {
@@ -178,6 +192,7 @@ SteppingAgent::SteppingAgent(bool is_simulated, const AgentHubOptions& options)
           hub.RunCommands(navigator);
           navigator.Step();
           commands.StepRoute(navigator, clock_.Now());
+          commands.StepDocks(navigator, clock_.Now(), std::nullopt);
           AgentState state;
           state.snapshot = navigator.Snapshot();
           if (state.snapshot.goal.has_value()) {

@@ -28,6 +28,7 @@ class FakeNavigator final : public behavior::Navigator {
   void Stop(const std::string& why) override;
   void Release() override;
   absl::Status Drive(const core::VelocityCommand& wanted) override;
+  absl::Status Steer(const behavior::SteeringCommand& steering) override;
   absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> told) override {
     zones = std::move(told);
     return absl::OkStatus();

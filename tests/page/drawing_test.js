@@ -1,5 +1,5 @@
 // What is drawn on the operator's page, in a real browser, against an agent that
-// the test plays: zones and routes. Environment as page_test.js.
+// the test plays: zones, routes and docks. Environment as page_test.js.
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
@@ -8,7 +8,7 @@ import { after, before, beforeEach, afterEach, test } from 'node:test';
 import { dragOnMap, launch, openPage } from './browser.js';
 import { near, text } from './checks.js';
 import { MockAgent } from './mock_agent.js';
-import { routeMessages } from './packages.js';
+import { dockMessages, routeMessages } from './packages.js';
 
 let browser;
 let agent;
@@ -148,6 +148,54 @@ test('a route says how far it is, and goes on when somebody says so', async () =
   await asked('CancelRoute');
   await text(page, '#route', 'Patrol: given up');
   assert.equal(await page.isVisible('#route-cancel'), false);
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('a dock is made, driven into, watched and removed', async () => {
+  const { page, wrongs, close } = await openPage(browser, url, {}, /400/);
+  const { ChargeState, DockingOutcome, DockingState } = dockMessages;
+  await page.click('#docks > summary');
+  await text(page, '#docks', 'There are none');
+  assert.equal(await page.inputValue('#dock-name'), 'Dock 1');
+  await page.fill('#dock-name', 'Charger');
+  await page.click('#dock-here');
+  await text(page, '#docks ul', 'Charger');
+  const here = await asked('PutDocks');
+  assert.equal(here.here, true);
+  assert.equal(here.docks[0].name, 'Charger');
+  // The next one is drawn; a refusal is told.
+  await page.check('#dock-backward');
+  agent.refusals.set('PutDocks', 'it lies in a wall');
+  await page.click('#tool-dock');
+  await dragOnMap(page, [3, 3, 0], [3, 4, 0]);
+  await text(page, '.toasts', 'lies in a wall');
+  agent.refusals.clear();
+  await page.click('#tool-dock');
+  await dragOnMap(page, [3, 3, 0], [3, 4, 0]);
+  await text(page, '#docks ul', 'Dock 1');
+  const drawn = await asked('PutDocks', 3);
+  assert.equal(drawn.here, false);
+  near(drawn.docks[0].xM, 3);
+  near(drawn.docks[0].yawRad, Math.PI / 2, 0.1);
+  assert.equal(drawn.docks[0].backward, true);
+  await page.click('[aria-label="Dock in Charger"]');
+  assert.equal((await asked('Dock')).name, 'Charger');
+  await text(page, '#docking', 'Drives to Charger');
+  // There is no goal any more while it drives in.
+  await page.waitForSelector('#cancel:enabled');
+  agent.docking = { ...agent.docking, state: DockingState.DOCKED,
+    outcome: DockingOutcome.SUCCEEDED, chargeState: ChargeState.CHARGING };
+  await text(page, '#docking', 'Charges, stands in Charger');
+  await page.click('#dock-out');
+  await asked('Undock');
+  agent.docking = { state: DockingState.AWAY, why: 'a closed door',
+    outcome: DockingOutcome.FAILED, chargeState: ChargeState.LOW,
+    chargeWhy: 'a closed door' };
+  await text(page, '#docking', 'Battery low, docking failed');
+  await text(page, '#docking-why', 'a closed door');
+  await page.click('[aria-label="Remove Charger"]');
+  assert.deepEqual((await asked('RemoveDocks')).names, ['Charger']);
   assert.deepEqual(wrongs, []);
   await close();
 });

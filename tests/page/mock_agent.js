@@ -9,7 +9,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import * as world from './canned_world.js';
-import { connect, messages, node, routeMessages } from './packages.js';
+import { connect, dockMessages, messages, node, routeMessages } from './packages.js';
 
 // What treeline-agent sends with every answer.
 export const HEADERS = {
@@ -81,6 +81,9 @@ export class MockAgent {
     this.route = undefined;
     this.current = undefined;
     this.routesRevision = 1n;
+    this.docks = [];
+    this.docking = {};
+    this.docksRevision = 1n;
     this.events = [];
     this.time = 12;
     this.devices = ['laser', 'odometry', 'base', 'camera', 'server'].map(
@@ -227,6 +230,7 @@ export class MockAgent {
       steps: BigInt(Math.round(this.time * 40)),
       zonesRevision: this.zonesRevision,
       routesRevision: this.routesRevision,
+      docking: { ...this.docking, docksRevision: this.docksRevision },
       ...this.route && { route: this.route },
       ...this.battery && { battery: this.battery },
     };
@@ -298,6 +302,20 @@ export class MockAgent {
     const navigate = method('Navigate', (body) => {
       this.obey('Navigate', body);
       return { goal: { ...this.goal } };
+    });
+    const dock = method('Dock', (body) => {
+      this.obey('Dock', body);
+      return { docking: this.docking };
+    });
+    service(dockMessages.DockingService, {
+      getDocks: () => ({ revision: this.docksRevision, docks: this.docks,
+        survivesRestart: true }),
+      putDocks: obey('PutDocks'), removeDocks: obey('RemoveDocks'),
+      async* dock(request, { signal }) {
+        yield dock(request);
+        await new Promise((end) => { signal.addEventListener('abort', end); });
+      },
+      undock: obey('Undock'),
     });
     service(NavigationService, {
       async* navigate(request, { signal }) {
@@ -470,6 +488,22 @@ export class MockAgent {
         this.route = { ...this.route, why: 'somebody cancelled it',
           state: routeMessages.RouteState.CANCELLED };
         this.current = undefined;
+        return {};
+      case 'PutDocks':
+        this.docks.push(...body.docks.map((dock) => body.here ?
+          { ...dock, xM: this.pose.x, yM: this.pose.y,
+            yawRad: this.pose.yaw } : dock));
+        ++this.docksRevision;
+        return { revision: this.docksRevision, survivesRestart: true };
+      case 'RemoveDocks':
+        this.docks = this.docks.filter(
+            ({ name }) => !body.names.includes(name));
+        ++this.docksRevision;
+        return { revision: this.docksRevision };
+      case 'Dock':
+        this.docking = { id: 1n, dock: body.name,
+          outcome: dockMessages.DockingOutcome.UNDER_WAY,
+          state: dockMessages.DockingState.TO_STAGING };
         return {};
       case 'SetInitialPose': {
         const { xM, yM, yawRad } = body.mapFromBase;

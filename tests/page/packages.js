@@ -14,5 +14,7 @@ export const node = await fromWork(
     'node_modules', '@connectrpc', 'connect-node', 'dist', 'esm', 'index.js');
 export const messages = await fromWork(
     'unit', 'gen', 'treeline', 'v1', 'navigation_pb.js');
+export const dockMessages = await fromWork(
+    'unit', 'gen', 'treeline', 'v1', 'docks_pb.js');
 export const routeMessages = await fromWork(
     'unit', 'gen', 'treeline', 'v1', 'routes_pb.js');

@@ -80,9 +80,22 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::state_dir,
             {.name = "state_dir",
              .value_name = "DIR",
-             .help = "Folder where a stop, drawn zones and routes are kept, so "
-                     "that a restart finds them; default: a restart forgets "
-                     "them"});
+             .help = "Folder where a stop, drawn zones, routes and docks are "
+                     "kept, so that a restart finds them; default: a restart "
+                     "forgets them"});
+  table.Add(&AgentConfig::battery_at,
+            {.name = "battery_at",
+             .value_name = "PERCENT",
+             .help = "Charge of the simulated robot's battery at first",
+             .min = 0,
+             .max = 100});
+  table.Add(&AgentConfig::battery_lasts_s,
+            {.name = "battery_lasts_s",
+             .value_name = "SECONDS",
+             .help = "Driving, it is empty after so long, standing after eight "
+                     "thirds of that; a charger fills it in half of it",
+             .min = 10,
+             .max = 1e6});
 }
 
 void AddPlace(Table& table) {
@@ -233,6 +246,22 @@ void AddDriving(Table& table) {
              .max = 5});
 }
 
+void AddCharging(Table& table) {
+  table.Add(&AgentConfig::charge_below,
+            {.name = "charge_below",
+             .value_name = "PERCENT",
+             .help = "Charge of the battery below which the robot drives to a "
+                     "dock by itself, if there is one; 0: never",
+             .min = 0,
+             .max = 99});
+  table.Add(&AgentConfig::charge_until,
+            {.name = "charge_until",
+             .value_name = "PERCENT",
+             .help = "Charge with which it goes on with what it did",
+             .min = 1,
+             .max = 100});
+}
+
 void AddProgram(Table& table) {
   table.Add(
       &AgentConfig::duration,
@@ -266,6 +295,7 @@ const config::ConfigTable<AgentConfig>& AgentConfigTable() {
     AddServer(*made);
     AddListening(*made);
     AddDriving(*made);
+    AddCharging(*made);
     AddProgram(*made);
     return made;
   }();
@@ -337,6 +367,7 @@ absl::Status AgentConfig::Validate() const {
     return absl::InvalidArgumentError(
         "--by-sight keeps to no zones; leave --zone-masks out");
   }
+  TL_RETURN_IF_ERROR(Charge().Validate());
   TL_RETURN_IF_ERROR(SimulatedWorld().status());
   TL_RETURN_IF_ERROR(ParseRequestedPose(start_at, "--start-at").status());
   return ParseRequestedPose(goal, "--goal").status();

@@ -12,6 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "common/config/config_table.h"
 #include "common/tracing/tracing_options.h"
+#include "nav_agent/docking/charge_keeper.h"
 #include "nav_agent/service/agent_commands.h"
 #include "simulation/worlds/world.h"
 
@@ -35,6 +36,8 @@ struct AgentConfig {
   std::string record;
   std::string state_dir;
   std::string zone_masks;
+  double battery_at = 100;
+  double battery_lasts_s = 3 * 3600;
   // ---- where it is ----
   std::string map;
   std::vector<std::string> start_at;
@@ -65,6 +68,9 @@ struct AgentConfig {
   double goal_tolerance_rad = 0.15;
   double laser_timeout_s = 0.3;
   double odometry_timeout_s = 0.2;
+  // ---- when it charges ----
+  double charge_below = 20;
+  double charge_until = 90;
   // ---- the program ----
   double duration = 0;
   int64_t seed = 0;
@@ -80,6 +86,11 @@ struct AgentConfig {
   // The state of the simulated world that people, light and rearranged ask
   // for. INVALID_ARGUMENT.
   absl::StatusOr<worlds::WorldOptions> SimulatedWorld() const;
+
+  // When it goes to charge by itself.
+  docking::ChargeOptions Charge() const {
+    return {.below = charge_below / 100, .until = charge_until / 100};
+  }
 
   // What a single setting cannot know. INVALID_ARGUMENT.
   absl::Status Validate() const;

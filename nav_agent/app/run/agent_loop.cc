@@ -144,7 +144,10 @@ void AgentLoop::Step(base::MonotonicTime began) {
   const base::MonotonicTime thinks = clock_.Now();
   commands_.hub().RunCommands(navigator_);
   navigator_.Step();
-  commands_.StepRoute(navigator_, robot_.clock().Now());
+  const base::MonotonicTime now = robot_.clock().Now();
+  commands_.StepRoute(navigator_, now);
+  commands_.StepDocks(navigator_, now, BatteryNow());
+  PlaceChargers();
   metrics_.ObserveStep(period_s, base::SecondsBetween(thinks, clock_.Now()));
   ++steps_;
   TakeEvents();
@@ -157,6 +160,7 @@ void AgentLoop::TakeEvents() {
   std::vector<behavior::NavigatorEvent> events = navigator_.TakeEvents();
   std::ranges::move(commands_.routes().runner().TakeEvents(),
                     std::back_inserter(events));
+  std::ranges::move(commands_.docks().TakeEvents(), std::back_inserter(events));
   for (const behavior::NavigatorEvent& event : events) {
     metrics_.CountEvent(event.kind);
     commands_.hub().AddEvent(base::SecondsBetween(start_, event.stamp),
@@ -168,6 +172,29 @@ void AgentLoop::TakeEvents() {
                              "simulation", incident);
     on_event_("simulation", incident);
   }
+}
+
+void AgentLoop::PlaceChargers() {
+  const docking::Docks& docks = commands_.docks().pilot().docks();
+  if (robot_.simulation() == nullptr || docks == placed_) return;
+  placed_ = docks;
+  std::vector<PlacedDock> places;
+  for (const docking::Dock& dock : *docks) {
+    const geometry::Vec2 at = dock.map_from_docked.translation;
+    const absl::StatusOr<core::LevelPose> pose = commands_.OnLevel(
+        {.x_m = at.x, .y_m = at.y, .yaw_rad = 0, .level = dock.level},
+        dock.name);
+    if (pose.ok()) places.push_back({dock, pose->place.height_m});
+  }
+  robot_.SetChargers(places);
+}
+
+std::optional<core::Battery> AgentLoop::BatteryNow() const {
+  std::optional<core::Battery> battery = robot_.Battery();
+  if (!battery.has_value() && devices_.battery != nullptr) {
+    battery = devices_.battery->battery();
+  }
+  return battery;
 }
 
 void AgentLoop::Publish() {
@@ -182,10 +209,7 @@ void AgentLoop::Publish() {
   state.devices = ReportDevices(devices, devices_.server);
   state.true_map_from_base = robot_.TrueMapFromBase();
   state.obstacles = robot_.Obstacles();
-  state.battery = robot_.Battery();
-  if (!state.battery.has_value() && devices_.battery != nullptr) {
-    state.battery = devices_.battery->battery();
-  }
+  state.battery = BatteryNow();
   state.missed_deadlines = missed_;
   state.zones_revision = commands_.zones().revision();
   commands_.ShowRoute(state);
@@ -196,6 +220,7 @@ void AgentLoop::Publish() {
 void AgentLoop::Stand() {
   // A route is to be found as it is.
   commands_.routes().runner().Halt();
+  commands_.docks().pilot().Halt();
   navigator_.Halt();
   StepTimer timer(PeriodOf(options_));
   const auto steps =

@@ -82,6 +82,9 @@ class AgentLoop {
  private:
   void Step(base::MonotonicTime began);
   void TakeEvents();
+  std::optional<core::Battery> BatteryNow() const;
+  // In a simulated world, at the docks that there are.
+  void PlaceChargers();
   void Publish();
   // Stands until the base has stopped.
   void Stand();
@@ -98,6 +101,8 @@ class AgentLoop {
   std::optional<base::MonotonicTime> last_began_;
   int64_t steps_ = 0;
   int64_t missed_ = 0;
+  // Where chargers stand.
+  docking::Docks placed_;
 };
 
 // Every device's health as people read it.

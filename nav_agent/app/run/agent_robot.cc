@@ -80,6 +80,11 @@ constexpr char kCrate[] = "crate";
 constexpr int kKidnapTries = 500;
 // Between a robot that begins and people who walk past (m).
 constexpr double kStartRoom_m = 0.3;
+// A charger's body, narrow so that a laser that looks past it still knows the
+// place, and the room between it and a docked robot (m).
+constexpr double kChargerDepth_m = 0.2;
+constexpr double kChargerWidth_m = 0.2;
+constexpr double kChargerGap_m = 0.02;
 // A slower robot does not drive.
 constexpr double kStandingSpeed_mps = 0.02;
 
@@ -95,13 +100,15 @@ class SimulatedAgentRobot final : public AgentRobot,
   SimulatedAgentRobot(std::string world,
                       std::unique_ptr<simulator::Simulator> simulator,
                       runs::SuiteWorld places,
-                      const geometry::Rigid3& map_from_world, uint64_t seed)
+                      const geometry::Rigid3& map_from_world,
+                      const SimulatedRobotOptions& options)
       : world_(std::move(world)),
         simulator_(std::move(simulator)),
         camera_(simulator_->camera()),
         places_(std::move(places)),
         map_from_world_(map_from_world),
-        random_(seed, kKidnapStream) {}
+        random_(options.seed, kKidnapStream),
+        battery_(options.battery) {}
 
   behavior::NavigatorDevices Devices() override {
     return {.laser = simulator_->laser(),
@@ -119,13 +126,22 @@ class SimulatedAgentRobot final : public AgentRobot,
     const geometry::Vec3 before = MapFromBase().translation;
     simulator_->Step(duration);
     const double seconds = std::chrono::duration<double>(duration).count();
-    battery_.Drain(seconds, geometry::Norm(MapFromBase().translation - before) >
-                                kStandingSpeed_mps * seconds);
+    battery_.SetCharging(chargers_.Touch(MapFromBase()));
+    if (battery_.is_charging()) {
+      battery_.Charge(seconds);
+    } else {
+      battery_.Drain(seconds,
+                     geometry::Norm(MapFromBase().translation - before) >
+                         kStandingSpeed_mps * seconds);
+    }
   }
+  void SetChargers(const std::vector<PlacedDock>& docks) override;
   std::optional<core::Battery> Battery() const override {
     return core::Battery{.voltage_v = battery_.voltage_v(),
                          .charge = battery_.charge(),
-                         .charging = core::Charging::kNo};
+                         .charging = battery_.is_charging()
+                                         ? core::Charging::kYes
+                                         : core::Charging::kNo};
   }
 
   agent_service::SimulationControl* simulation() override { return this; }
@@ -195,6 +211,8 @@ class SimulatedAgentRobot final : public AgentRobot,
  private:
   static constexpr uint64_t kKidnapStream = 0x51;
 
+  // Of a crate of scale 1, from the circle that holds it.
+  double CrateSide_m() const;
   geometry::Rigid3 MapFromBase() const {
     return map_from_world_ * simulator_->state().world_from_base;
   }
@@ -220,20 +238,51 @@ class SimulatedAgentRobot final : public AgentRobot,
   const geometry::Rigid3 map_from_world_;
   base::Random random_;
   simulator::SimulatedBattery battery_;
+  simulator::Chargers chargers_;
+  std::vector<std::string> charger_bodies_;
   int next_obstacle_ = 1;
   std::map<std::string, geometry::Vec2> obstacles_;
 };
 
-absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
-    const core::LevelPose& pose, double size_m) {
-  // The sides of a crate of scale 1, from the circle that holds it.
+// Each has a body just beyond the robot's edge.
+void SimulatedAgentRobot::SetChargers(const std::vector<PlacedDock>& docks) {
+  for (const std::string& name : charger_bodies_) {
+    simulator_->RemoveObstacle(name).IgnoreError();
+  }
+  charger_bodies_.clear();
+  std::vector<simulator::Charger> chargers;
+  for (const auto& [dock, height_m] : docks) {
+    const geometry::Rigid2& docked = dock.map_from_docked;
+    chargers.push_back({.map_from_docked = docked, .height_m = height_m});
+    const double away_m = kChargerGap_m + 0.5 * kChargerDepth_m;
+    const double ahead_m =
+        dock.is_backward ? -model().rear_m - away_m : model().front_m + away_m;
+    const std::string name = absl::StrCat("charger ", dock.name);
+    const absl::Status stands = simulator_->AddObstacle(
+        name, kCrate,
+        InWorld({.map_from_base = docked * geometry::Rigid2{{ahead_m, 0}, 0},
+                 .place = {dock.level, height_m}}),
+        {static_cast<float>(kChargerDepth_m / CrateSide_m()),
+         static_cast<float>(kChargerWidth_m / CrateSide_m()), 1});
+    // Where it does not, the dock still charges: a wall may be its body.
+    if (stands.ok()) charger_bodies_.push_back(name);
+  }
+  chargers_ = simulator::Chargers(std::move(chargers));
+}
+
+double SimulatedAgentRobot::CrateSide_m() const {
   double side_m = 1;
   for (const worlds::Body& body : simulator_->world().bodies) {
     if (body.name == kCrate) {
       side_m = std::numbers::sqrt2 * static_cast<double>(body.radius_m);
     }
   }
-  const auto scale = static_cast<float>(size_m / side_m);
+  return side_m;
+}
+
+absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
+    const core::LevelPose& pose, double size_m) {
+  const auto scale = static_cast<float>(size_m / CrateSide_m());
   const std::string name = absl::StrCat("obstacle-", next_obstacle_);
   const geometry::Vec2 center = pose.map_from_base.translation;
   TL_RETURN_IF_ERROR(
@@ -291,7 +340,7 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
   }
   return std::make_unique<SimulatedAgentRobot>(
       options.world, std::move(simulator), std::move(places), map_from_world,
-      options.seed);
+      options);
 }
 
 absl::StatusOr<behavior::NavigatorMap> MapOfWorld(const std::string& name) {

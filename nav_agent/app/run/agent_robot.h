@@ -12,11 +12,19 @@
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/core/robot_file.h"
+#include "nav_agent/docking/dock.h"
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/simulation_control.h"
+#include "simulation/simulator/simulated_battery.h"
 #include "simulation/worlds/world.h"
 
 namespace treeline::run_app {
+
+// A dock, and the ground that it stands on.
+struct PlacedDock {
+  docking::Dock dock;
+  double height_m = 0;
+};
 
 // Everything by one thread, but for what the devices say of themselves.
 class AgentRobot {
@@ -37,6 +45,8 @@ class AgentRobot {
   virtual std::optional<core::Battery> Battery() const { return std::nullopt; }
 
   // ---- of a simulated robot ----
+  // A charger stands at each dock.
+  virtual void SetChargers(const std::vector<PlacedDock>& /*docks*/) {}
   virtual agent_service::SimulationControl* simulation() { return nullptr; }
   virtual std::string world() const { return ""; }
   virtual std::vector<std::string> places() const { return {}; }
@@ -70,6 +80,7 @@ struct SimulatedRobotOptions {
   // Where it will be put before it begins, in the map; people keep off there,
   // too.
   std::optional<geometry::Vec2> start_at = std::nullopt;
+  simulator::SimulatedBatteryOptions battery = {};
 };
 // Errors as MakeWorld and Simulator::Create.
 absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(

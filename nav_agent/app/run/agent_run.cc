@@ -66,6 +66,13 @@ std::optional<geometry::Vec2> PositionOf(
   return geometry::Vec2{pose->x_m, pose->y_m};
 }
 
+simulator::SimulatedBatteryOptions BatteryOf(const AgentConfig& config) {
+  return {.standing_s = 8.0 / 3 * config.battery_lasts_s,
+          .driving_s = config.battery_lasts_s,
+          .charging_s = 0.5 * config.battery_lasts_s,
+          .charge = config.battery_at / 100};
+}
+
 void SayTopics(const ros_app::RosRobot& robot, logging::ProgramLog& log) {
   const agent_report::TopicFacts facts = robot.Facts();
   log.Write(logging::LogLevel::kInfo,
@@ -150,6 +157,7 @@ class AgentProgram {
   std::unique_ptr<agent_service::StopFile> stops_;
   std::unique_ptr<agent_service::ZoneBook> zones_;
   std::unique_ptr<agent_service::RouteDesk> routes_;
+  std::unique_ptr<agent_service::DockDesk> docks_;
   std::unique_ptr<agent_service::AgentCommands> commands_;
   std::unique_ptr<behavior::Navigator> navigator_;
   std::unique_ptr<agent_service::HttpApi> api_;
@@ -206,7 +214,8 @@ absl::Status AgentProgram::MakeRobot(const std::stop_token& stop) {
                                     .robot = model,
                                     .has_rear_laser = config_.rear_laser,
                                     .map_begins_at_start = !config_.map.empty(),
-                                    .start_at = PositionOf(start)}));
+                                    .start_at = PositionOf(start),
+                                    .battery = BatteryOf(config_)}));
     return absl::OkStatus();
   }
   TL_ASSIGN_OR_RETURN(const hardware::HardwareConfig hardware,
@@ -282,9 +291,13 @@ absl::Status AgentProgram::Listen() {
   TL_ASSIGN_OR_RETURN(routes_, agent_service::RouteDesk::Open(
                                    static_cast<int>(map_->levels.levels.size()),
                                    config_.state_dir));
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<agent_service::DockBook> docks,
+                      agent_service::DockBook::Open(map_, config_.state_dir));
+  docks_ = std::make_unique<agent_service::DockDesk>(
+      std::move(docks), robot_->model(), config_.Charge());
   commands_ = std::make_unique<agent_service::AgentCommands>(
       hub_, info_, robot_->simulation(), stops_.get(), zones_.get(),
-      routes_.get());
+      routes_.get(), docks_.get());
   if (!config_.listen.empty()) {
     TL_ASSIGN_OR_RETURN(
         grpc_,

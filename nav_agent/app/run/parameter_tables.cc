@@ -7,6 +7,7 @@
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/calibration/parameters.h"
 #include "nav_agent/control/parameters.h"
+#include "nav_agent/docking/parameters.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/mapless/parameters.h"
 #include "nav_agent/planning/parameters.h"
@@ -66,6 +67,7 @@ std::vector<ParameterTable> AgentParameterTables() {
       {.folder = "nav_agent/calibration",
        .rows = calibration::CalibrationParameters()},
       {.folder = "nav_agent/control", .rows = control::ControlParameters()},
+      {.folder = "nav_agent/docking", .rows = docking::DockingParameters()},
       {.folder = "nav_agent/localization",
        .rows = localization::LocalizationParameters()},
       {.folder = "nav_agent/mapless", .rows = mapless::MaplessParameters()},

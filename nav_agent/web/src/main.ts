@@ -5,7 +5,7 @@ import { createConnectTransport } from '@connectrpc/connect-web';
 
 import { AgentClient } from './api/client.js';
 import { AgentStream, type Link } from './api/stream.js';
-import type { AgentInfo, RobotState, Route } from './api/types.js';
+import type { AgentInfo, Dock, RobotState, Route } from './api/types.js';
 import { loadFields, loadLevelPicture, loadVoxels } from './map_loader.js';
 import { shownLevel } from './model/levels.js';
 import { isRouteOpen } from './model/route_draft.js';
@@ -17,6 +17,7 @@ import { HeadLine, LostBanner, Toasts } from './panels/frame.js';
 import { DevicesPanel, EventsPanel } from './panels/list_panels.js';
 import { MapBar, type Tool } from './panels/map_bar.js';
 import { Scale } from './panels/map_help.js';
+import { DocksPanel } from './panels/docks_panel.js';
 import { SimulationPanel } from './panels/simulation_panel.js';
 import { RoutesPanel } from './panels/routes_panel.js';
 import { StopBar } from './panels/stop_bar.js';
@@ -58,6 +59,9 @@ class Page {
   private readonly simulation: SimulationPanel;
   private readonly zones: ZonesPanel;
   private readonly routes: RoutesPanel;
+  private readonly docks: DocksPanel;
+  private docksRevision = -1;
+  private fetchesDocks = false;
   private routesRevision = -1;
   private fetchesRoutes = false;
   // The route under way as it was fetched, and the one that is shown.
@@ -113,6 +117,13 @@ class Page {
       done: () => this.bar.choose('look'),
     });
     this.routes = this.makeRoutes();
+    this.docks = new DocksPanel({
+      putHere: (name, isBackward) => this.putDock(
+          { name, isBackward, x: 0, y: 0, yaw: 0, level: 0 }, true),
+      go: (name) => this.ask(client.dock(name), `Drives to ${name}.`),
+      out: () => this.ask(client.undock(), 'Drives out.'),
+      remove: (name) => this.ask(client.removeDock(name), `${name} is gone.`),
+    });
     this.bar = new MapBar({
       level: (picked) => {
         this.pickedLevel = picked;
@@ -205,7 +216,8 @@ class Page {
             this.routes.bar, this.bar.tools));
     const side = el('div', { class: 'side' },
         this.status.element, this.drive.element, this.lost.element,
-        this.routes.element, this.zones.element, this.simulation.element);
+        this.routes.element, this.docks.element, this.zones.element,
+        this.simulation.element);
     const watch = el('div', { class: 'watch' },
         this.camera.element, this.devices.element, this.events.element);
     document.body.append(this.head.element, this.stop.banner,
@@ -261,6 +273,7 @@ class Page {
     // An agent that began anew counts anew.
     this.zonesRevision = -1;
     this.routesRevision = -1;
+    this.docksRevision = -1;
     if (link === 'live') void this.loadMap();
   }
 
@@ -276,6 +289,21 @@ class Page {
     } catch (error) {
       this.tell(error);
       window.setTimeout(() => { this.fetchesZones = false; }, MAP_RETRY_MS);
+    }
+  }
+
+  private async loadDocks(): Promise<void> {
+    if (this.fetchesDocks) return;
+    this.fetchesDocks = true;
+    try {
+      const docks = await this.client.docks();
+      this.docksRevision = docks.revision;
+      this.docks.update(docks, this.info?.levels.length ?? 1);
+      this.view?.setDocks(docks.docks);
+      this.fetchesDocks = false;
+    } catch (error) {
+      this.tell(error);
+      window.setTimeout(() => { this.fetchesDocks = false; }, MAP_RETRY_MS);
     }
   }
 
@@ -352,6 +380,10 @@ class Page {
     this.followLevel();
     if (state.zonesRevision !== this.zonesRevision) void this.loadZones();
     if (state.routesRevision !== this.routesRevision) void this.loadRoutes();
+    if (state.docking !== null && state.docksRevision !== this.docksRevision) {
+      void this.loadDocks();
+    }
+    this.docks.follow(state.docking);
     this.showRoute();
     this.view?.setState(state);
     this.stop.update(state);
@@ -392,12 +424,21 @@ class Page {
     }
     this.bar.choose('look');
     if (tool === 'goal') this.ask(client.sendGoal([pose]), 'Goal sent.');
+    if (tool === 'dock') {
+      const { name, isBackward } = this.docks;
+      this.putDock({ ...pose, name, isBackward }, false);
+    }
     if (tool === 'pose') this.ask(client.setPose(pose), 'Pose sent.');
     if (tool === 'kidnap') this.ask(client.kidnapTo(pose), 'Kidnapped.');
     if (tool === 'obstacle') {
       this.ask(client.addObstacle(x, y, level, OBSTACLE_SIZE_M),
           'A box stands there now.');
     }
+  }
+
+  private putDock(dock: Dock, isHere: boolean): void {
+    this.askOrWarn(
+        this.client.putDock(dock, isHere), `${dock.name} is there now.`);
   }
 
   private ask(answer: Promise<void>, done: string): void {

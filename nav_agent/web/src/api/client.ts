@@ -7,11 +7,12 @@ import { Code, ConnectError, createClient, type CallOptions, type Client,
 import {
   NavigationService, SimulationService, type StreamStateResponse,
 } from '../gen/treeline/v1/navigation_pb.js';
+import { DockingService } from '../gen/treeline/v1/docks_pb.js';
 import {
-  infoOf, routesOf, routeToProto, zonesOf, zoneToProto,
+  docksOf, dockToProto, infoOf, routesOf, routeToProto, zonesOf, zoneToProto,
 } from './from_proto.js';
 import type {
-  AgentInfo, Pose, Route, Routes, Zone, Zones,
+  AgentInfo, Dock, Docks, Pose, Route, Routes, Zone, Zones,
 } from './types.js';
 
 // What the agent answered, or why there is no answer, for people.
@@ -32,12 +33,14 @@ const levelPose = ({ x, y, yaw, level }: Pose) =>
 
 export class AgentClient {
   private readonly navigation: Client<typeof NavigationService>;
+  private readonly docking: Client<typeof DockingService>;
   private readonly simulation: Client<typeof SimulationService>;
 
   constructor(
       transport: Transport, private readonly fetch: Fetch,
       private readonly timeoutMs = 8000) {
     this.navigation = createClient(NavigationService, transport);
+    this.docking = createClient(DockingService, transport);
     this.simulation = createClient(SimulationService, transport);
   }
 
@@ -141,6 +144,36 @@ export class AgentClient {
   cancelRoute = (): Promise<void> =>
     this.call((options) => this.navigation.cancelRoute({}, options))
         .then(() => {});
+
+  docks(): Promise<Docks> {
+    return this.call(async (options) =>
+      docksOf(await this.docking.getDocks({}, options)));
+  }
+
+  // isHere: at the robot's pose, not at the dock's. What is wrong with keeping
+  // it; '' if nothing is.
+  putDock(dock: Dock, isHere: boolean): Promise<string> {
+    return this.call((options) => this.docking.putDocks(
+        { docks: [dockToProto(dock)], here: isHere }, options))
+        .then(({ warning }) => warning);
+  }
+
+  removeDock(name: string): Promise<void> {
+    return this.call((options) => this.docking.removeDocks(
+        { names: [name] }, options)).then(() => {});
+  }
+
+  dock(name: string): Promise<void> {
+    return this.call(async (options) => {
+      const feedback = this.docking.dock(
+          { name, keepWhenCallEnds: true }, options);
+      // As with a goal.
+      for await (const _ of feedback) return;
+    });
+  }
+
+  undock = (): Promise<void> =>
+    this.call((options) => this.docking.undock({}, options)).then(() => {});
 
   findYourself = (): Promise<void> =>
     this.call((options) => this.navigation.findYourself({}, options))

@@ -6,9 +6,10 @@ import type { DescEnum } from '@bufbuild/protobuf';
 import type { LevelPose } from '../gen/treeline/v1/navigation_pb.js';
 import * as v1 from '../gen/treeline/v1/navigation_pb.js';
 import * as v1b from '../gen/treeline/v1/battery_pb.js';
+import * as v1d from '../gen/treeline/v1/docks_pb.js';
 import * as v1r from '../gen/treeline/v1/routes_pb.js';
 import * as v1z from '../gen/treeline/v1/zones_pb.js';
-import type {
+import type { Dock, Docking, Docks,
   AgentInfo, Battery, Costmap, Fix, Goal, GoalState, LevelInfo, Pose, RobotEvent,
   RobotScene, RobotState, Route, Routes, RouteStatus, TrackedPose, Zone,
   ZoneKind, Zones,
@@ -198,6 +199,19 @@ function batteryOf(battery: v1b.BatteryStatus | undefined): Battery | null {
   };
 }
 
+function dockingOf(docking: v1d.DockingStatus | undefined): Docking | null {
+  if (docking === undefined) return null;
+  return {
+    outcome: wordOf(v1d.DockingOutcomeSchema, docking.outcome),
+    why: docking.why,
+    failedTries: docking.failedTries,
+    state: wordOf(v1d.DockingStateSchema, docking.state),
+    dock: docking.dock,
+    charge: wordOf(v1d.ChargeStateSchema, docking.chargeState),
+    chargeWhy: docking.chargeWhy,
+  };
+}
+
 export function stateOf(state: v1.RobotState): RobotState {
   const truth = state.trueMapFromBase;
   return {
@@ -227,6 +241,8 @@ export function stateOf(state: v1.RobotState): RobotState {
     route: routeStatusOf(state.route),
     routesRevision: Number(state.routesRevision),
     battery: batteryOf(state.battery),
+    docking: dockingOf(state.docking),
+    docksRevision: Number(state.docking?.docksRevision ?? -1),
     missedDeadlines: Number(state.missedDeadlines),
     steps: Number(state.steps),
   };
@@ -346,6 +362,24 @@ export function routeToProto(route: Route) {
     })),
   };
 }
+
+export function docksOf(message: v1d.GetDocksResponse): Docks {
+  return {
+    revision: Number(message.revision),
+    docks: message.docks.map((dock) => ({
+      name: dock.name,
+      x: needFinite(dock.xM, 'x_m'),
+      y: needFinite(dock.yM, 'y_m'),
+      yaw: needFinite(dock.yawRad, 'yaw_rad'),
+      level: dock.level,
+      isBackward: dock.backward,
+    })),
+    warning: message.warning,
+  };
+}
+
+export const dockToProto = ({ name, x, y, yaw, level, isBackward }: Dock) =>
+  ({ name, xM: x, yM: y, yawRad: yaw, level, backward: isBackward });
 
 export function eventOf(event: v1.RobotEvent): RobotEvent {
   return {

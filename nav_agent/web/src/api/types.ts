@@ -170,6 +170,31 @@ export interface Battery {
   charging: boolean;
 }
 
+// Where the robot stands in it.
+export interface Dock extends Pose {
+  name: string;
+  isBackward: boolean;
+}
+
+export interface Docks {
+  revision: number;
+  docks: Dock[];
+  // Why a restart does not find them; '' if it does.
+  warning: string;
+}
+
+// docs/reference/docks.md, in words with an underscore between them; '' of what
+// this page does not know.
+export interface Docking {
+  outcome: string;
+  why: string;
+  failedTries: number;
+  state: string;
+  dock: string;
+  charge: string;
+  chargeWhy: string;
+}
+
 export interface RobotState {
   time: number;
   mode: string;
@@ -193,6 +218,9 @@ export interface RobotState {
   routesRevision: number;
   // null: the robot does not tell.
   battery: Battery | null;
+  // null: the agent knows no docks.
+  docking: Docking | null;
+  docksRevision: number;
   missedDeadlines: number;
   steps: number;
 }

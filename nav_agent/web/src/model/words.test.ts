@@ -17,6 +17,8 @@ const stateOf = (fields: Partial<RobotState>): RobotState => ({
   truth: null,
   stop: null, missedDeadlines: 0, zonesRevision: 0, route: null, routesRevision: 0,
   battery: null,
+  docking: null,
+  docksRevision: -1,
   steps: 0, ...fields,
 });
 

@@ -6,7 +6,7 @@ import { button, el, setShown, setText } from '../common/dom.js';
 import { MapHelp } from './map_help.js';
 
 export type Tool = 'look' | 'goal' | 'pose' | 'zone' | 'route' |
-  'kidnap' | 'obstacle';
+  'dock' | 'kidnap' | 'obstacle';
 
 export interface MapCommands {
   level(picked: number | null): void;
@@ -21,7 +21,7 @@ const LAYER_LABELS: Record<LayerName, string> = {
   octomap: 'OctoMap', ground: 'Traversable map', zones: 'Zones',
   costmap: 'Local costmap',
   scan: 'Laser scan', particles: 'Particles', tree: 'Search tree',
-  route: 'Route', path: 'Path', bubbles: 'Bubbles', blockages: 'Blockages',
+  route: 'Route', docks: 'Docks', path: 'Path', bubbles: 'Bubbles', blockages: 'Blockages',
   truth: 'True pose (simulation)',
 };
 
@@ -35,6 +35,9 @@ const TOOLS: readonly
       // Its hints are beside what it needs.
       ['zone', 'Draw zone', '', 'z'],
       ['route', 'Draw route', '', 'r'],
+      ['dock', 'Draw dock',
+        'Click where the robot stands in its dock; drag to where it looks.',
+        'k'],
       ['kidnap', 'Kidnap here',
         'Click where the robot shall be put without being told.', ''],
       ['obstacle', 'Add box', 'Click where a box shall stand.', ''],

@@ -5,6 +5,7 @@ import {
   degrees, isPaused, isUnderWay, knowsPlace, metres, sayBattery, sayDoubt, sayGoal,
   sayState, signed,
 } from '../model/words.js';
+import { sayDocking } from '../model/dock_words.js';
 import { isRouteOpen, mayGoOn, sayRoute } from '../model/route_draft.js';
 import { button, card, el, Meter, setData, setShown, setText } from '../common/dom.js';
 
@@ -30,6 +31,10 @@ export class StatusPanel {
   private readonly goOn: HTMLButtonElement;
   private readonly endRoute: HTMLButtonElement;
   private readonly routeBox: HTMLElement;
+  private readonly dockLine = el('p', { class: 'goal-line', id: 'docking' });
+  private readonly dockWhy = el('p', { class: 'detail', id: 'docking-why' });
+  private readonly dockBox =
+      el('div', { class: 'goal' }, this.dockLine, this.dockWhy);
   private readonly pause: HTMLButtonElement;
   private readonly cancel: HTMLButtonElement;
   private readonly where: HTMLButtonElement;
@@ -63,7 +68,7 @@ export class StatusPanel {
     this.element = card('Robot', 'status', live,
         el('div', { class: 'goal' }, this.goalLine, this.goalMeter.element,
             this.goalWhy),
-        this.routeBox,
+        this.routeBox, this.dockBox,
         el('div', { class: 'buttons needs-link' }, this.pause, this.cancel, this.where),
         el('dl', { class: 'figures' },
             el('div', {}, el('dt', {}, 'Speed'), this.speed),
@@ -92,11 +97,13 @@ export class StatusPanel {
     setShown(this.advice, !isCalm && state.advice !== '');
     this.updateGoal(state);
     this.updateRoute(state);
+    this.updateDocking(state);
     this.isPaused = isPaused(state);
     setText(this.pause, this.isPaused ? 'Resume' : 'Pause');
     this.pause.classList.toggle('primary', this.isPaused);
     this.cancel.disabled =
-        !isUnderWay(state.goal) && !isRouteOpen(state.route);
+        !isUnderWay(state.goal) && !isRouteOpen(state.route) &&
+        state.docking?.outcome !== 'under_way';
     const { command } = state;
     const pose = knowsPlace(state) ? state.pose : null;
     setText(this.speed, `${signed(command.forward, 2)} m/s`);
@@ -123,6 +130,16 @@ export class StatusPanel {
     this.goOn.disabled = stop !== null;
     // One that is under way ends with Cancel.
     setShown(this.endRoute, mayGoOn(route));
+  }
+
+  private updateDocking({ docking }: RobotState): void {
+    const saying = sayDocking(docking);
+    setShown(this.dockBox, saying !== null);
+    if (saying === null) return;
+    setText(this.dockLine, saying.title);
+    setData(this.dockLine, 'tone', saying.tone);
+    setText(this.dockWhy, saying.text);
+    setShown(this.dockWhy, saying.text !== '');
   }
 
   private updateGoal(state: RobotState): void {

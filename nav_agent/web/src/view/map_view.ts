@@ -7,7 +7,7 @@ import {
 import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
 
 import type {
-  AgentInfo, RobotScene, RobotState, Route, Waypoint, ZoneKind, Zones,
+  Dock, AgentInfo, RobotScene, RobotState, Route, Waypoint, ZoneKind, Zones,
 } from '../api/types.js';
 import { turnBetween, type Place } from '../model/gesture.js';
 import type { HeightField } from '../model/height_field.js';
@@ -26,6 +26,7 @@ import {
 } from './layers/mark_layers.js';
 import { OtherPlacesLayer } from './layers/other_places_layer.js';
 import { RobotLayer, type Stand } from './layers/robot_layer.js';
+import { DockLayer } from './layers/dock_layer.js';
 import { RouteLayer } from './layers/route_layer.js';
 import { VoxelLayer } from './layers/voxel_layer.js';
 import { ZoneLayer } from './layers/zone_layer.js';
@@ -33,7 +34,7 @@ import { currentTheme, onThemeChange } from './theme.js';
 
 export const LAYERS = [
   'octomap', 'ground', 'zones', 'costmap', 'scan', 'particles', 'tree',
-  'route', 'path', 'bubbles', 'blockages', 'truth',
+  'route', 'docks', 'path', 'bubbles', 'blockages', 'truth',
 ] as const;
 export type LayerName = typeof LAYERS[number];
 
@@ -85,6 +86,7 @@ export class MapView {
   private readonly obstacles = new ObstacleLayer();
   private readonly zones = new ZoneLayer();
   private readonly routes = new RouteLayer();
+  private readonly docks = new DockLayer();
   private shownZones: Zones | null = null;
   private fields: HeightField[] = [];
   private level = 0;
@@ -132,7 +134,8 @@ export class MapView {
         this.tree.object, this.bubbles.object, this.path.object,
         this.blockages.object, this.obstacles.object, this.particles.object,
         this.scan.object, this.robot.doubt, this.robot.truth, this.robot.robot,
-        this.otherPlaces.object, this.routes.object, this.goal.object,
+        this.otherPlaces.object, this.routes.object, this.docks.object,
+        this.goal.object,
         this.choice.object);
     this.paint();
     onThemeChange(() => {
@@ -153,7 +156,7 @@ export class MapView {
     this.choice.material.color.set(theme.goal);
     for (const layer of [this.robot, this.bubbles, this.goal, this.blockages,
       this.obstacles, this.ground, this.otherPlaces, this.zones,
-      this.routes]) {
+      this.routes, this.docks]) {
       layer.paint(theme);
     }
     this.draw();
@@ -232,6 +235,7 @@ export class MapView {
     this.particles.object.visible = isShown('particles');
     this.tree.object.visible = isShown('tree');
     this.routes.object.visible = isShown('route');
+    this.docks.object.visible = isShown('docks');
     this.path.object.visible = isShown('path');
     this.bubbles.object.visible = isShown('bubbles');
     this.blockages.object.visible = isShown('blockages');
@@ -274,6 +278,13 @@ export class MapView {
   setRouteDraft(waypoints: readonly Waypoint[], isLoop: boolean): void {
     this.routes.setDraft(waypoints, isLoop,
         (x, y, level) => this.groundAt(x, y, level));
+    this.draw();
+  }
+
+  // ---- docks ----
+
+  setDocks(docks: readonly Dock[]): void {
+    this.docks.set(docks, (x, y, level) => this.groundAt(x, y, level));
     this.draw();
   }
 

@@ -17,6 +17,7 @@ export interface Theme {
   particle: number;
   goal: number;
   route: number;
+  dock: number;
   blockage: number;
   obstacle: number;
   costMap: [number, number, number];
@@ -39,6 +40,7 @@ export const LIGHT: Theme = {
   particle: 0x7b3fc4,
   goal: 0x1f5fd0,
   route: 0x00796b,
+  dock: 0x8d5a00,
   blockage: 0xb3261e,
   obstacle: 0xb8741a,
   costMap: [110, 96, 160],
@@ -61,6 +63,7 @@ export const DARK: Theme = {
   particle: 0xb892ff,
   goal: 0x7fb0ff,
   route: 0x4dd0c0,
+  dock: 0xffc46b,
   blockage: 0xff8a80,
   obstacle: 0xe6b05a,
   costMap: [150, 136, 210],
