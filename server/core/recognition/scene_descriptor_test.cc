@@ -111,12 +111,15 @@ TEST_F(ReadSceneDescriptorTest, FindsItAmongTheSections) {
   file[info] = 'x';
   ASSERT_TRUE(base::WriteFileAtomically(path_, file).ok());
   EXPECT_TRUE(ReadSceneDescriptor(path_).ok());
-  // The descriptor must be.
-  file[file.find(bytes.substr(0, 16)) + 100] ^= 1;
-  ASSERT_TRUE(base::WriteFileAtomically(path_, file).ok());
-  const absl::Status status = ReadSceneDescriptor(path_).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
-  EXPECT_THAT(std::string(status.message()), HasSubstr(path_));
+  // The descriptor, the last section, must be.
+  for (const size_t from_end : {1, 2, 5, 10}) {
+    std::string damaged = file;
+    damaged[damaged.size() - from_end] ^= 1;
+    ASSERT_TRUE(base::WriteFileAtomically(path_, damaged).ok());
+    const absl::Status status = ReadSceneDescriptor(path_).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << from_end;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(path_));
+  }
 }
 
 TEST_F(ReadSceneDescriptorTest, ModelsWithoutOneAreNotFound) {

@@ -275,10 +275,10 @@ test('the deadline is told to the server, and kept without it', async (t) => {
     return LOCALIZED;
   });
   const startMs = performance.now();
-  await assert.rejects(client.localize({ color: PICTURE }, { timeoutMs: 200 }),
+  await assert.rejects(client.localize({ color: PICTURE }, { timeoutMs: 1000 }),
       isError('deadline_exceeded'));
   assert.ok(performance.now() - startMs < 9000);
-  assert.ok(Number(toldMs) > 0 && Number(toldMs) <= 200, toldMs);
+  assert.ok(Number(toldMs) > 0 && Number(toldMs) <= 1000, toldMs);
 });
 
 test('cancelling reaches the server', async (t) => {
