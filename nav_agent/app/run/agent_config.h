@@ -37,7 +37,7 @@ struct AgentConfig {
   std::string state_dir;
   std::string zone_masks;
   double battery_at = 100;
-  double battery_lasts_s = 3 * 3600;
+  double battery_lasts_s = 10800;
   // ---- where it is ----
   std::string map;
   std::vector<std::string> start_at;
