@@ -292,8 +292,9 @@ absl::StatusOr<ModelMemory> Unpack(std::span<const uint8_t> file,
                       ModelMemory::Allocate(places.memory_bytes));
   const std::span<uint8_t> out = memory.writable();
   std::memcpy(out.data(), file.data(), sizeof(Header));
-  std::memcpy(out.data() + sizeof(Header), places.sections.data(),
-              places.sections.size() * sizeof(Section));
+  // There may be none, and then nothing to point at.
+  std::ranges::copy(Bytes(std::span<const Section>(places.sections)),
+                    reinterpret_cast<char*>(out.data()) + sizeof(Header));
   for (size_t i = 0; i < sections.size(); ++i) {
     const absl::string_view bytes = BytesAt(file, sections[i]);
     const Section& place = places.sections[i];
