@@ -1,7 +1,6 @@
 #include "nav_agent/app/dock/dock_command.h"
 
 #include <cstdio>
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,11 +10,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/app/agent_command/agent_command.h"
 #include "nav_agent/service/agent_stub.h"
 
 namespace treeline::dock_app {
 namespace {
 
+using agent_command::AddTo;
 using agent_service::CallStatus;
 using agent_service::DockingStub;
 
@@ -110,6 +111,16 @@ absl::Status Out(const DockFlags& flags) {
                     DockingStub(flags.agent)->Undock(&context, {}, &response));
 }
 
+std::string LineOf(const v1::DockResponse& feedback) {
+  const v1::DockingStatus& docking = feedback.docking();
+  return absl::StrCat(
+      docking.dock(), ": ",
+      Word(v1::DockingState_Name(docking.state()), "DOCKING_STATE_"),
+      docking.failed_tries() > 0
+          ? absl::StrCat(", failed tries: ", docking.failed_tries())
+          : "");
+}
+
 absl::Status Go(const DockFlags& flags, const std::stop_token& stop) {
   v1::DockRequest request;
   if (!flags.names.empty()) request.set_name(flags.names.front());
@@ -119,17 +130,7 @@ absl::Status Go(const DockFlags& flags, const std::stop_token& stop) {
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->Dock(&context, request);
   v1::DockResponse feedback;
-  while (stream->Read(&feedback)) {
-    if (flags.quiet) continue;
-    // Over what was shown before, on a terminal.
-    std::fprintf(stderr, "\r%s: %s, %d tries in vain   ",
-                 feedback.docking().dock().c_str(),
-                 Word(v1::DockingState_Name(feedback.docking().state()),
-                      "DOCKING_STATE_")
-                     .c_str(),
-                 feedback.docking().failed_tries());
-  }
-  if (!flags.quiet) std::fprintf(stderr, "\n");
+  agent_command::Follow(*stream, flags.quiet, LineOf, feedback);
   TL_RETURN_IF_ERROR(CallStatus(flags.agent, stream->Finish()));
   const v1::DockingStatus& docking = feedback.docking();
   if (docking.outcome() == v1::DOCKING_OUTCOME_SUCCEEDED) {
@@ -144,31 +145,9 @@ absl::Status Go(const DockFlags& flags, const std::stop_token& stop) {
 
 // ---- commands ----
 
-using Work = std::function<absl::Status(const DockFlags& flags,
-                                        const std::stop_token& stop)>;
-
-Work Plain(absl::Status (*work)(const DockFlags& flags)) {
-  return [work](const DockFlags& flags, const std::stop_token& /*stop*/) {
-    return work(flags);
-  };
-}
-
-cli::Command Add(CLI::App& group, const std::string& name,
-                 const std::string& what,
-                 const std::shared_ptr<DockFlags>& flags, Work work) {
-  CLI::App* command = group.add_subcommand(name, what);
-  command->add_option("--agent", flags->agent, "Where it answers gRPC")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  return {command,
-          [flags, work = std::move(work)](const std::stop_token& stop) {
-            return work(*flags, stop);
-          }};
-}
-
 cli::Command AddSave(CLI::App& group, const std::shared_ptr<DockFlags>& flags) {
   const cli::Command command =
-      Add(group, "save", "Keep a dock under a name", flags, Plain(Save));
+      AddTo(group, "save", "Keep a dock under a name", flags, Save);
   command.app->add_option("name", flags->names, "Its name")
       ->type_name("NAME")
       ->expected(1)
@@ -194,7 +173,7 @@ cli::Command AddSave(CLI::App& group, const std::shared_ptr<DockFlags>& flags) {
 
 cli::Command AddGo(CLI::App& group, const std::shared_ptr<DockFlags>& flags) {
   const cli::Command command =
-      Add(group, "go", "Drive into a dock, and follow it", flags, Go);
+      AddTo(group, "go", "Drive into a dock, and follow it", flags, Go);
   command.app->footer(kGoFooter);
   command.app
       ->add_option("name", flags->names, "One that is kept; none: the nearest")
@@ -215,15 +194,12 @@ cli::Command AddDockCommand(CLI::App& app) {
   group->footer(kFooter);
   auto flags = std::make_shared<DockFlags>();
   std::vector<cli::Command> commands = {
-      Add(*group, "list", "Docks that are kept", flags, Plain(List)),
+      AddTo(*group, "list", "Docks that are kept", flags, List),
       AddSave(*group, flags),
-      Add(*group, "delete", "Keep these no longer", flags, Plain(Delete)),
+      AddTo(*group, "delete", "Keep these no longer", flags, Delete),
       AddGo(*group, flags),
-      Add(*group, "out", "Drive straight out of the dock", flags, Plain(Out))};
-  commands[2]
-      .app->add_option("names", flags->names, "Their names")
-      ->type_name("NAME")
-      ->required();
+      AddTo(*group, "out", "Drive straight out of the dock", flags, Out)};
+  agent_command::AddNames(commands[2], flags->names);
   return {group, cli::RunChosen(std::move(commands))};
 }
 

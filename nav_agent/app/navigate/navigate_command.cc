@@ -15,8 +15,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "common/base/live_display.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/app/agent_command/agent_command.h"
 #include "nav_agent/app/run/agent_config.h"
 #include "nav_agent/service/agent_stub.h"
 
@@ -89,12 +89,7 @@ absl::Status Navigate(const NavigateFlags& flags, const std::stop_token& stop) {
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->Navigate(&context, request);
   v1::NavigateResponse feedback;
-  {
-    base::LiveDisplay display;
-    while (stream->Read(&feedback)) {
-      if (!flags.quiet) display.Show(LineOf(feedback));
-    }
-  }
+  agent_command::Follow(*stream, flags.quiet, LineOf, feedback);
   TL_RETURN_IF_ERROR(CallStatus(flags.agent, stream->Finish()));
   return ResultOf(feedback.goal());
 }

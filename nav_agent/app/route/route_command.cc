@@ -1,7 +1,6 @@
 #include "nav_agent/app/route/route_command.h"
 
 #include <cstdio>
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,8 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/file.h"
-#include "common/base/live_display.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/app/agent_command/agent_command.h"
 #include "nav_agent/app/route/route_yaml.h"
 #include "nav_agent/service/agent_stub.h"
 #include "nav_agent/service/routes_wire.h"
@@ -20,6 +19,7 @@
 namespace treeline::route_app {
 namespace {
 
+using agent_command::AddTo;
 using agent_service::CallStatus;
 using agent_service::EnumWord;
 
@@ -207,43 +207,16 @@ absl::Status Run(const RouteFlags& flags, const std::stop_token& stop) {
   const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
   const auto stream = stub->RunRoute(&context, request);
   v1::RunRouteResponse feedback;
-  {
-    base::LiveDisplay display;
-    while (stream->Read(&feedback)) {
-      if (!flags.quiet) display.Show(LineOf(feedback));
-    }
-  }
+  agent_command::Follow(*stream, flags.quiet, LineOf, feedback);
   TL_RETURN_IF_ERROR(CallStatus(flags.agent, stream->Finish()));
   return ResultOf(feedback.route());
 }
 
 // ---- commands ----
 
-using Work = std::function<absl::Status(const RouteFlags& flags,
-                                        const std::stop_token& stop)>;
-
-Work Plain(absl::Status (*work)(const RouteFlags& flags)) {
-  return [work](const RouteFlags& flags, const std::stop_token& /*stop*/) {
-    return work(flags);
-  };
-}
-
-cli::Command Add(CLI::App& group, const std::string& name,
-                 const std::string& what,
-                 const std::shared_ptr<RouteFlags>& flags, Work work) {
-  CLI::App* command = group.add_subcommand(name, what);
-  command->add_option("--agent", flags->agent, "Where it answers gRPC")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  return {command,
-          [flags, work = std::move(work)](const std::stop_token& stop) {
-            return work(*flags, stop);
-          }};
-}
-
 cli::Command AddRun(CLI::App& group, const std::shared_ptr<RouteFlags>& flags) {
   const cli::Command command =
-      Add(group, "run", "Drive a route, and follow it", flags, Run);
+      AddTo(group, "run", "Drive a route, and follow it", flags, Run);
   command.app->footer(kRunFooter);
   command.app->add_option("name", flags->names, "One that is kept")
       ->type_name("NAME")
@@ -271,24 +244,17 @@ cli::Command AddRouteCommand(CLI::App& app) {
   group->footer(kFooter);
   auto flags = std::make_shared<RouteFlags>();
   std::vector<cli::Command> commands = {
-      Add(*group, "list", "Routes that are kept", flags, Plain(List)),
-      Add(*group, "export", "The same, as a file that `save` reads", flags,
-          Plain(Export)),
-      Add(*group, "save", "Keep the routes of a file", flags, Plain(Save)),
-      Add(*group, "delete", "Keep these no longer", flags, Plain(Delete)),
-      Add(*group, "resume", "Go on with a route that is held or offered", flags,
-          Plain(Resume)),
-      Add(*group, "cancel", "End the route, wherever it is", flags,
-          Plain(Cancel)),
+      AddTo(*group, "list", "Routes that are kept", flags, List),
+      AddTo(*group, "export", "The same, as a file that `save` reads", flags,
+            Export),
+      AddTo(*group, "save", "Keep the routes of a file", flags, Save),
+      AddTo(*group, "delete", "Keep these no longer", flags, Delete),
+      AddTo(*group, "resume", "Go on with a route that is held or offered",
+            flags, Resume),
+      AddTo(*group, "cancel", "End the route, wherever it is", flags, Cancel),
       AddRun(*group, flags)};
-  commands[2]
-      .app->add_option("file", flags->file, "YAML file")
-      ->type_name("FILE")
-      ->required();
-  commands[3]
-      .app->add_option("names", flags->names, "Their names")
-      ->type_name("NAME")
-      ->required();
+  agent_command::AddFile(commands[2], flags->file);
+  agent_command::AddNames(commands[3], flags->names);
   return {group, cli::RunChosen(std::move(commands))};
 }
 

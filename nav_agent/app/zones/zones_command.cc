@@ -10,6 +10,7 @@
 #include "absl/strings/str_replace.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/app/agent_command/agent_command.h"
 #include "nav_agent/app/zones/zones_yaml.h"
 #include "nav_agent/service/agent_stub.h"
 #include "nav_agent/service/zones_wire.h"
@@ -17,6 +18,7 @@
 namespace treeline::zones_app {
 namespace {
 
+using agent_command::AddTo;
 using agent_service::AgentStub;
 using agent_service::CallStatus;
 
@@ -113,19 +115,6 @@ absl::Status Delete(const ZonesFlags& flags) {
       AgentStub(flags.agent)->RemoveZones(&context, request, &response));
 }
 
-cli::Command Add(CLI::App& group, const std::string& name,
-                 const std::string& what,
-                 const std::shared_ptr<ZonesFlags>& flags,
-                 absl::Status (*work)(const ZonesFlags& flags)) {
-  CLI::App* command = group.add_subcommand(name, what);
-  command->add_option("--agent", flags->agent, "Where it answers gRPC")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  return {command, [flags, work](const std::stop_token& /*stop*/) {
-            return work(*flags);
-          }};
-}
-
 }  // namespace
 
 cli::Command AddZonesCommand(CLI::App& app) {
@@ -135,19 +124,13 @@ cli::Command AddZonesCommand(CLI::App& app) {
   group->footer(kFooter);
   auto flags = std::make_shared<ZonesFlags>();
   std::vector<cli::Command> commands = {
-      Add(*group, "list", "Zones and mask files that hold", flags, List),
-      Add(*group, "export", "Drawn zones, as a file that `save` reads", flags,
-          Export),
-      Add(*group, "save", "Draw the zones of a file", flags, Save),
-      Add(*group, "delete", "Remove these", flags, Delete)};
-  commands[2]
-      .app->add_option("file", flags->file, "YAML file")
-      ->type_name("FILE")
-      ->required();
-  commands[3]
-      .app->add_option("names", flags->names, "Their names")
-      ->type_name("NAME")
-      ->required();
+      AddTo(*group, "list", "Zones and mask files that hold", flags, List),
+      AddTo(*group, "export", "Drawn zones, as a file that `save` reads", flags,
+            Export),
+      AddTo(*group, "save", "Draw the zones of a file", flags, Save),
+      AddTo(*group, "delete", "Remove these", flags, Delete)};
+  agent_command::AddFile(commands[2], flags->file);
+  agent_command::AddNames(commands[3], flags->names);
   return {group, cli::RunChosen(std::move(commands))};
 }
 
