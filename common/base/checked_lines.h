@@ -4,10 +4,13 @@
 #define COMMON_BASE_CHECKED_LINES_H_
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
 namespace treeline::base {
@@ -29,6 +32,28 @@ std::string CheckedLinesText(absl::string_view first_line,
 absl::StatusOr<std::vector<absl::string_view>> ParseCheckedLines(
     absl::string_view first_line, absl::string_view what,
     absl::string_view text);
+
+// The same where each line is a thing of its own, which `read` makes of it, or
+// says what is wrong with it; the message names the line.
+template <typename Thing>
+absl::StatusOr<std::vector<Thing>> ParseCheckedThings(
+    absl::string_view first_line, absl::string_view what,
+    absl::string_view text,
+    absl::StatusOr<Thing> (*read)(absl::string_view line)) {
+  const absl::StatusOr<std::vector<absl::string_view>> lines =
+      ParseCheckedLines(first_line, what, text);
+  if (!lines.ok()) return lines.status();
+  std::vector<Thing> things;
+  for (size_t i = 0; i < lines->size(); ++i) {
+    absl::StatusOr<Thing> thing = read((*lines)[i]);
+    if (!thing.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("line ", i + 2, ": ", thing.status().message()));
+    }
+    things.push_back(*std::move(thing));
+  }
+  return things;
+}
 
 // A line, word by word.
 class LineWords {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/image/decode.h"
+#include "common/image/testing_png_filters.h"
 #include "gtest/gtest.h"
 
 namespace treeline::image {
@@ -52,17 +53,6 @@ std::vector<uint16_t> SomeValues() {
     values.push_back(static_cast<uint16_t>(i * 40503 + (i % 3) * 77));
   }
   return values;
-}
-
-// The PNG standard's table of filters, written down once more, forwards.
-int Predicted(int filter, int left, int above, int diagonal) {
-  const int p = left + above - diagonal;
-  const int pa = std::abs(p - left);
-  const int pb = std::abs(p - above);
-  const int pc = std::abs(p - diagonal);
-  const int paeth = pa <= pb && pa <= pc ? left : (pb <= pc ? above : diagonal);
-  const int predictions[] = {0, left, above, (left + above) / 2, paeth};
-  return predictions[filter];
 }
 
 // Rows with the filters 0 to 4 by turns, each row of `shift` further.

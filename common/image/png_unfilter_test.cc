@@ -5,22 +5,12 @@
 #include <vector>
 
 #include "common/base/random.h"
+#include "common/image/testing_png_filters.h"
 #include "gtest/gtest.h"
 #include "hwy/targets.h"
 
 namespace treeline::image {
 namespace {
-
-// The PNG standard's table of filters, byte by byte.
-int Predicted(int filter, int left, int above, int diagonal) {
-  const int p = left + above - diagonal;
-  const int pa = std::abs(p - left);
-  const int pb = std::abs(p - above);
-  const int pc = std::abs(p - diagonal);
-  const int paeth = pa <= pb && pa <= pc ? left : (pb <= pc ? above : diagonal);
-  const int predictions[] = {0, left, above, (left + above) / 2, paeth};
-  return predictions[filter];
-}
 
 std::vector<uint16_t> Undone(const std::vector<uint8_t>& rows, size_t width,
                              size_t height) {

@@ -40,6 +40,8 @@ struct SteeringCommand {
   // Where the robot stands at last, and whether its rear is at the dock then.
   core::LevelPose docked;
   bool is_backward = false;
+  // Out of it: no keep-out zone holds the robot in.
+  bool is_leaving = false;
   // What it does, for people.
   std::string what;
 };

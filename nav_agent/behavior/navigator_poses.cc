@@ -51,6 +51,8 @@ absl::Status CheckSteering(const SteeringCommand& steering, int levels,
     return absl::InvalidArgumentError("a velocity is not finite");
   }
   TL_RETURN_IF_ERROR(CheckOnLevels(steering.docked, "a dock", levels));
+  // Who is in a zone must be able to leave it.
+  if (steering.is_leaving) return absl::OkStatus();
   return CheckNotKeptOut(steering.docked, "the dock", zones);
 }
 

@@ -102,5 +102,25 @@ TEST_F(NavigatorZonesTest, ZonesThatLeaveNoWayEndTheGoalAtOnce) {
   EXPECT_EQ(Goal().recoveries, 0);
 }
 
+TEST_F(NavigatorZonesTest, NobodyIsSteeredToADockThatIsKeptOut) {
+  MakePlaced();
+  const SteeringCommand steering = {
+      .wanted = {.forward_mps = 0.1, .yaw_rate_radps = 0},
+      .docked = PoseAtPoint(4.5, 2),
+      .what = "drives in"};
+  ASSERT_TRUE(navigator->Steer(steering).ok());
+  ASSERT_TRUE(navigator->SetZones(Box(4, 1, 5, 3)).ok());
+  EXPECT_EQ(navigator->Steer(steering).code(),
+            absl::StatusCode::kFailedPrecondition);
+  // It may still leave it.
+  SteeringCommand out = steering;
+  out.is_leaving = true;
+  EXPECT_TRUE(navigator->Steer(out).ok());
+  // Beside it stands another.
+  SteeringCommand other = steering;
+  other.docked = PoseAtPoint(7, 2);
+  EXPECT_TRUE(navigator->Steer(other).ok());
+}
+
 }  // namespace
 }  // namespace treeline::behavior

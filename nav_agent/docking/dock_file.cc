@@ -1,11 +1,8 @@
 #include "nav_agent/docking/dock_file.h"
 
-#include <utility>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/checked_lines.h"
-#include "common/base/status_macros.h"
 
 namespace treeline::docking {
 namespace {
@@ -52,19 +49,8 @@ std::string DockFileText(std::span<const Dock> docks) {
 }
 
 absl::StatusOr<std::vector<Dock>> ParseDockFile(absl::string_view text) {
-  TL_ASSIGN_OR_RETURN(
-      const std::vector<absl::string_view> lines,
-      base::ParseCheckedLines(kFirstLine, "a file of docks", text));
-  std::vector<Dock> docks;
-  for (size_t i = 0; i < lines.size(); ++i) {
-    absl::StatusOr<Dock> dock = ReadDock(lines[i]);
-    if (!dock.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("line ", i + 2, ": ", dock.status().message()));
-    }
-    docks.push_back(*std::move(dock));
-  }
-  return docks;
+  return base::ParseCheckedThings<Dock>(kFirstLine, "a file of docks", text,
+                                        ReadDock);
 }
 
 }  // namespace treeline::docking

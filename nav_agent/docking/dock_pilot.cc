@@ -436,11 +436,13 @@ bool DockPilot::IsSteered() const {
 void DockPilot::Steer(behavior::Navigator& navigator, const Dock& dock,
                       const core::VelocityCommand& wanted,
                       const std::string& what) {
-  const absl::Status steered =
-      navigator.Steer({.wanted = wanted,
-                       .docked = OnLevel(dock, dock.map_from_docked),
-                       .is_backward = dock.is_backward,
-                       .what = what});
+  const absl::Status steered = navigator.Steer(
+      {.wanted = wanted,
+       .docked = OnLevel(dock, dock.map_from_docked),
+       .is_backward = dock.is_backward,
+       .is_leaving = status_.state == DockingState::kBackingOut ||
+                     status_.state == DockingState::kDrivingOut,
+       .what = what});
   if (steered.ok()) return;
   if (status_.state == DockingState::kDrivingOut) {
     Release(navigator);

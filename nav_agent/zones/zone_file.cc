@@ -52,19 +52,8 @@ std::string ZoneFileText(std::span<const Zone> zones) {
 }
 
 absl::StatusOr<std::vector<Zone>> ParseZoneFile(absl::string_view text) {
-  TL_ASSIGN_OR_RETURN(
-      const std::vector<absl::string_view> lines,
-      base::ParseCheckedLines(kFirstLine, "a file of zones", text));
-  std::vector<Zone> zones;
-  for (size_t i = 0; i < lines.size(); ++i) {
-    absl::StatusOr<Zone> zone = ParseLine(lines[i]);
-    if (!zone.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("line ", i + 2, ": ", zone.status().message()));
-    }
-    zones.push_back(*std::move(zone));
-  }
-  return zones;
+  return base::ParseCheckedThings<Zone>(kFirstLine, "a file of zones", text,
+                                        ParseLine);
 }
 
 }  // namespace treeline::zones

@@ -1,36 +1,21 @@
 // Docks on the ground: where the robot stands in them.
 
-import { Group } from 'three';
-
 import type { Dock } from '../../api/types.js';
 import type { Theme } from '../theme.js';
-import { PoseMark } from './mark_layers.js';
+import { PoseMarks } from './mark_layers.js';
 
 const MARK_SCALE = 0.6;
 
 export class DockLayer {
-  readonly object = new Group();
-  private marks: PoseMark[] = [];
-  private colour = 0;
+  private readonly marks = new PoseMarks(MARK_SCALE);
+  readonly object = this.marks.object;
 
   paint(theme: Theme): void {
-    this.colour = theme.dock;
-    for (const mark of this.marks) mark.material.color.set(this.colour);
+    this.marks.paint(theme.dock);
   }
 
   set(docks: readonly Dock[],
       heightAt: (x: number, y: number, level: number) => number): void {
-    while (this.marks.length < docks.length) {
-      const mark = new PoseMark();
-      mark.material.color.set(this.colour);
-      mark.object.scale.setScalar(MARK_SCALE);
-      this.marks.push(mark);
-      this.object.add(mark.object);
-    }
-    this.marks.forEach((mark, i) => {
-      const at = docks[i];
-      if (at === undefined) mark.hide();
-      else mark.show(at.x, at.y, heightAt(at.x, at.y, at.level), at.yaw);
-    });
+    this.marks.set(docks, ({ x, y, level }) => heightAt(x, y, level));
   }
 }

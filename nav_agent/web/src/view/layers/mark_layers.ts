@@ -95,33 +95,46 @@ export class PoseMark {
   }
 }
 
-export class GoalLayer {
+// As many as there are poses, of one colour and size.
+export class PoseMarks {
   readonly object = new Group();
-  private marks: PoseMark[] = [];
+  private readonly marks: PoseMark[] = [];
   private colour = 0;
 
-  paint(theme: Theme): void {
-    this.colour = theme.goal;
-    for (const mark of this.marks) mark.material.color.set(theme.goal);
+  constructor(private readonly scale = 1) {}
+
+  paint(colour: number): void {
+    this.colour = colour;
+    for (const mark of this.marks) mark.material.color.set(colour);
   }
 
-  set(poses: Pose[], heightAt: (pose: Pose) => number): void {
+  set<P extends { x: number; y: number; yaw: number }>(
+      poses: readonly P[], heightAt: (pose: P) => number): void {
     while (this.marks.length < poses.length) {
       const mark = new PoseMark();
       mark.material.color.set(this.colour);
+      mark.object.scale.setScalar(this.scale);
       this.marks.push(mark);
       this.object.add(mark.object);
     }
     this.marks.forEach((mark, i) => {
       const pose = poses[i];
-      if (pose === undefined) {
-        mark.hide();
-      } else {
-        mark.show(pose.x, pose.y, heightAt(pose), pose.yaw);
-        // Places on the way are smaller than the goal.
-        mark.object.scale.setScalar(i + 1 === poses.length ? 1 : 0.6);
-      }
+      if (pose === undefined) mark.hide();
+      else mark.show(pose.x, pose.y, heightAt(pose), pose.yaw);
     });
+  }
+}
+
+export class GoalLayer {
+  private readonly marks = new PoseMarks();
+  readonly object = this.marks.object;
+
+  paint(theme: Theme): void {
+    this.marks.paint(theme.goal);
+  }
+
+  set(poses: Pose[], heightAt: (pose: Pose) => number): void {
+    this.marks.set(poses, heightAt);
   }
 }
 

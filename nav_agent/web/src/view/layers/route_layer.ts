@@ -8,7 +8,7 @@ import {
 import type { Waypoint } from '../../api/types.js';
 import { headingTowards } from '../../model/gesture.js';
 import type { Theme } from '../theme.js';
-import { PoseMark } from './mark_layers.js';
+import { PoseMarks } from './mark_layers.js';
 
 type HeightAt = (x: number, y: number, level: number) => number;
 
@@ -21,38 +21,28 @@ class RouteMarks {
   readonly object = new Group();
   private readonly line = new LineBasicMaterial({
     transparent: true, opacity: 0.7, depthTest: false });
-  private marks: PoseMark[] = [];
+  private readonly marks = new PoseMarks(MARK_SCALE);
   private way: Line | null = null;
-  private colour = 0;
+
+  constructor() {
+    this.object.add(this.marks.object);
+  }
 
   paint(colour: number): void {
-    this.colour = colour;
     this.line.color.set(colour);
-    for (const mark of this.marks) mark.material.color.set(colour);
+    this.marks.paint(colour);
   }
 
   set(waypoints: readonly Waypoint[], isLoop: boolean, heightAt: HeightAt):
       void {
-    while (this.marks.length < waypoints.length) {
-      const mark = new PoseMark();
-      mark.material.color.set(this.colour);
-      mark.object.scale.setScalar(MARK_SCALE);
-      this.marks.push(mark);
-      this.object.add(mark.object);
-    }
-    this.marks.forEach((mark, i) => {
-      const at = waypoints[i];
-      if (at === undefined) {
-        mark.hide();
-        return;
-      }
+    this.marks.set(waypoints.map((at, i) => {
       // Without a heading it looks to where the way leads on.
       const next = waypoints[i + 1] ?? (isLoop ? waypoints[0] : undefined);
       const yaw = at.yaw ?? (next === undefined ?
         headingTowards(waypoints[i - 1] ?? null, at) :
         headingTowards(at, next));
-      mark.show(at.x, at.y, heightAt(at.x, at.y, at.level), yaw);
-    });
+      return { ...at, yaw };
+    }), ({ x, y, level }) => heightAt(x, y, level));
     this.setWay(waypoints, isLoop, heightAt);
   }
 
