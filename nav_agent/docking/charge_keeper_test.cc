@@ -11,7 +11,6 @@
 namespace treeline::docking {
 namespace {
 
-using behavior::NavigatorMode;
 using behavior::PoseAtPoint;
 using ::testing::HasSubstr;
 

@@ -57,7 +57,7 @@ TEST(FindNearestSiftTest, AllVectorInstructionsFindTheSame) {
     SCOPED_TRACE(hwy::TargetName(target));
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    for (const size_t size : {1, 2, 15, 16, 17, 50}) {
+    for (const size_t size : {1u, 2u, 15u, 16u, 17u, 50u}) {
       std::vector<SiftDescriptor> known = RandomDescriptors(size, random);
       // One that is there twice: the first counts, the second is as near.
       known.back() = known.front();

@@ -94,7 +94,7 @@ Expected SumsOf(const RayPredictions& scene) {
 }
 
 TEST(RayKernelsTest, SumsAreThoseOfTheDefinition) {
-  for (const size_t count : {1, 7, 8, 50}) {
+  for (const size_t count : {1u, 7u, 8u, 50u}) {
     const RayPredictions scene = SomeRays(count);
     const Expected expected = SumsOf(scene);
     for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {

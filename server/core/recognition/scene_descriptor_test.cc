@@ -112,7 +112,7 @@ TEST_F(ReadSceneDescriptorTest, FindsItAmongTheSections) {
   ASSERT_TRUE(base::WriteFileAtomically(path_, file).ok());
   EXPECT_TRUE(ReadSceneDescriptor(path_).ok());
   // The descriptor, the last section, must be.
-  for (const size_t from_end : {1, 2, 5, 10}) {
+  for (const size_t from_end : {1u, 2u, 5u, 10u}) {
     std::string damaged = file;
     damaged[damaged.size() - from_end] ^= 1;
     ASSERT_TRUE(base::WriteFileAtomically(path_, damaged).ok());
