@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "common/image/testing_png_filters.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
 
 namespace treeline::image {
 namespace {
@@ -60,25 +60,13 @@ std::vector<uint16_t> Unfiltered(std::vector<uint8_t> rows, size_t width,
   return values;
 }
 
-// For each kind of vector instructions that this machine has.
-template <typename Check>
-void WithEachTarget(const Check& check) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
 TEST(PngUnfilterTest, UndoesWhatTheStandardSays) {
-  WithEachTarget([] {
+  base::WithEachVectorTarget([] {
     base::Random random(1, 0);
-    for (const size_t width : {1, 2, 7, 15, 16, 17, 23, 24, 31, 40, 63}) {
-      for (const size_t height : {1, 2, 15, 16, 17, 32, 33, 49}) {
-        for (const uint32_t most : {256, 4}) {
+    for (const size_t width :
+         {1u, 2u, 7u, 15u, 16u, 17u, 23u, 24u, 31u, 40u, 63u}) {
+      for (const size_t height : {1u, 2u, 15u, 16u, 17u, 32u, 33u, 49u}) {
+        for (const uint32_t most : {256u, 4u}) {
           const std::vector<uint8_t> rows =
               SomeRows(width, height, most, -1, random);
           ASSERT_EQ(Unfiltered(rows, width, height),
@@ -91,7 +79,7 @@ TEST(PngUnfilterTest, UndoesWhatTheStandardSays) {
 }
 
 TEST(PngUnfilterTest, UndoesRowsOfOneFilter) {
-  WithEachTarget([] {
+  base::WithEachVectorTarget([] {
     base::Random random(2, 0);
     for (int filter = 0; filter < 5; ++filter) {
       const std::vector<uint8_t> rows = SomeRows(64, 48, 256, filter, random);
@@ -102,7 +90,7 @@ TEST(PngUnfilterTest, UndoesRowsOfOneFilter) {
 
 TEST(PngUnfilterTest, RefusesAFilterThatDoesNotExistWhereverItIs) {
   base::Random random(3, 0);
-  for (const size_t broken : {0, 5, 16, 34}) {
+  for (const size_t broken : {0u, 5u, 16u, 34u}) {
     std::vector<uint8_t> rows = SomeRows(20, 35, 256, -1, random);
     rows[broken * FilteredRowBytes(20)] = 5;
     rows.resize(rows.size() + kUnfilterPadding_bytes);

@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
 #include "server/core/features/blob_picture.h"
 
 namespace treeline::features {
@@ -208,17 +208,12 @@ TEST(FastSiftTest, IsAFunctionOfThePicture) {
 TEST(FastSiftTest, AllVectorInstructionsFindTheSame) {
   const image::ColorImage picture = Picture();
   const SiftFeatures usual = FastSift().Extract(picture);
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  base::WithEachVectorTarget([&] {
     const SiftFeatures other = FastSift().Extract(picture);
     // Sums are rounded in another order: what is near a threshold may change
     // sides.
-    EXPECT_GT(ShareFound(usual, other, Same, 0.01), 0.99)
-        << hwy::TargetName(target);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_GT(ShareFound(usual, other, Same, 0.01), 0.99);
+  });
 }
 
 TEST(FastSiftTest, HasNothingToSayOfABlankOrTinyPicture) {

@@ -1,8 +1,8 @@
 #include "server/core/features/gray_pyramid.h"
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
 
 namespace treeline::features {
 namespace {
@@ -52,16 +52,11 @@ void Check(int width, int height) {
 }
 
 TEST(GrayPyramidTest, EveryPixelIsTheMeanOfThoseBelow) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  base::WithEachVectorTarget([&] {
     for (const int width : {1, 3, 64, 129, 170}) {
       for (const int height : {1, 2, 37}) Check(width, height);
     }
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
 
 }  // namespace

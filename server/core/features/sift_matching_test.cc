@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
 
 namespace treeline::features {
 namespace {
@@ -53,10 +53,7 @@ TEST(FindNearestSiftTest, FindsTheNearestAndTheSecondDistance) {
 TEST(FindNearestSiftTest, AllVectorInstructionsFindTheSame) {
   base::Random random(2, 0);
   const std::vector<SiftDescriptor> queries = RandomDescriptors(9, random);
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  base::WithEachVectorTarget([&] {
     for (const size_t size : {1u, 2u, 15u, 16u, 17u, 50u}) {
       std::vector<SiftDescriptor> known = RandomDescriptors(size, random);
       // One that is there twice: the first counts, the second is as near.
@@ -79,9 +76,7 @@ TEST(FindNearestSiftTest, AllVectorInstructionsFindTheSame) {
                   expected.second_squared_distance);
       }
     }
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
 
 TEST(FindNearestSiftTest, DistancesDoNotOverflow) {

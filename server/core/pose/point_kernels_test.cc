@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
 
 namespace treeline::pose {
 namespace {
@@ -46,24 +46,11 @@ struct Scene {
   }
 };
 
-// For each kind of vector instructions that this machine has.
-template <typename Check>
-void WithEachTarget(const Check& check) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
 TEST(PointKernelsTest, CostIsTheSumOfTruncatedSquares) {
   const Scene scene(77);
-  WithEachTarget([&] {
-    for (const size_t begin : {0, 3, 60}) {
-      for (const size_t end : {60, 61, 77}) {
+  base::WithEachVectorTarget([&] {
+    for (const size_t begin : {0u, 3u, 60u}) {
+      for (const size_t end : {60u, 61u, 77u}) {
         double expected = 0;
         for (size_t i = begin; i < end; ++i) {
           expected +=
@@ -82,8 +69,8 @@ TEST(PointKernelsTest, CostIsTheSumOfTruncatedSquares) {
 
 TEST(PointKernelsTest, SumsAreThoseOfTheInliers) {
   const Scene scene(77);
-  WithEachTarget([&] {
-    for (const size_t end : {3, 16, 33, 77}) {
+  base::WithEachVectorTarget([&] {
+    for (const size_t end : {3u, 16u, 33u, 77u}) {
       geometry::Kabsch kabsch;
       int inliers = 0;
       for (size_t i = 0; i < end; ++i) {

@@ -5,8 +5,8 @@
 #include "Eigen/Core"
 #include "Eigen/LU"
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
-#include "hwy/targets.h"
 #include "server/core/pose/parameters.h"
 
 namespace treeline::pose {
@@ -97,10 +97,7 @@ TEST(RayKernelsTest, SumsAreThoseOfTheDefinition) {
   for (const size_t count : {1u, 7u, 8u, 50u}) {
     const RayPredictions scene = SomeRays(count);
     const Expected expected = SumsOf(scene);
-    for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      SCOPED_TRACE(hwy::TargetName(target));
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    base::WithEachVectorTarget([&] {
       const RobustSum sum = SumRays(PackedRays(scene), SomePose(), kScale);
       EXPECT_NEAR(sum.value, expected.value, 1e-9 * (1 + expected.value));
       EXPECT_NEAR(sum.weights, expected.weights, 1e-9);
@@ -116,9 +113,7 @@ TEST(RayKernelsTest, SumsAreThoseOfTheDefinition) {
               << a << b;
         }
       }
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    });
   }
 }
 
