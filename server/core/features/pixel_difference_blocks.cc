@@ -46,13 +46,12 @@ void EvaluateAll(std::span<const PixelDifferenceBlock> blocks,
       const auto place =
           hn::Add(hn::Mul(c2, hn::Set(d, plane)),
                   hn::Add(hn::Mul(y2, hn::Set(d, image.width())), x2));
-      const auto there = hn::And(
-          hn::GatherOffset(
-              d, reinterpret_cast<const int32_t*>(image.data()), place),
-          hn::Set(d, 255));
-      const auto first =
-          hn::IfThenElse(hn::Eq(c1, zero), red,
-                         hn::IfThenElse(hn::Eq(c1, one), green, blue));
+      const auto there =
+          hn::And(hn::GatherOffset(
+                      d, reinterpret_cast<const int32_t*>(image.data()), place),
+                  hn::Set(d, 255));
+      const auto first = hn::IfThenElse(
+          hn::Eq(c1, zero), red, hn::IfThenElse(hn::Eq(c1, one), green, blue));
       hn::StoreU(hn::DemoteTo(d16, hn::Sub(first, there)), d16, values);
     }
   }

@@ -99,8 +99,8 @@ double EdgeAlignment::Strength(
   int64_t count = 0;
   for (const EdgeFrame& frame : frames_) {
     for (const EdgePixel& edge : frame.edges) {
-      const auto ray = rays_are_known ? edge.ray
-                                      : calibration.depth.Unproject(edge.pixel);
+      const auto ray =
+          rays_are_known ? edge.ray : calibration.depth.Unproject(edge.pixel);
       if (!ray) continue;
       const double z = calibration.depth_scale * edge.depth_m;
       const camera::Pixel p =

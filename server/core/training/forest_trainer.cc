@@ -267,14 +267,13 @@ absl::Status Trainer::GrowGroup(int first, int last,
   GrowInRounds(growers);
   TL_RETURN_IF_ERROR(CheckStop());
   std::vector<GrownTree> grown(trees);
-  base::ParallelFor(static_cast<int64_t>(trees), options_.threads,
-                    [&](int64_t i) {
-                      const size_t g = static_cast<size_t>(i);
-                      grown[g] = PruneTree(
-                          growers[g]->Assemble(),
-                          static_cast<uint32_t>(options_.min_kept_samples));
-                      growers[g].reset();
-                    });
+  base::ParallelFor(
+      static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
+        const size_t g = static_cast<size_t>(i);
+        grown[g] = PruneTree(growers[g]->Assemble(),
+                             static_cast<uint32_t>(options_.min_kept_samples));
+        growers[g].reset();
+      });
   for (GrownTree& tree : grown) result_.trees.push_back(std::move(tree));
   result_.samples += total;
   return absl::OkStatus();

@@ -48,8 +48,7 @@ class VarianceSplitter::Sweep {
 
   ThresholdChoice Best() const {
     if (best_score_ < 0) return {};
-    return {threshold_,
-            std::max(0.0, best_score_ - Term(x_, y_, z_, count_))};
+    return {threshold_, std::max(0.0, best_score_ - Term(x_, y_, z_, count_))};
   }
 
  private:
@@ -84,21 +83,18 @@ void VarianceSplitter::SetLabels(std::span<const Label> labels) {
 ThresholdChoice VarianceSplitter::Best(std::span<const int16_t> values,
                                        int min_side) {
   // Which bins are in use, a bit each: most nodes have far fewer samples than
-  // there are bins. Several such sets, since a sample would wait for the one
-  // before it, whose value is alike.
-  constexpr size_t kSets = 4;
-  std::array<std::array<uint64_t, (kBins + 63) / 64>, kSets> in_use{};
+  // there are bins.
+  std::array<uint64_t, (kBins + 63) / 64> in_use{};
   for (size_t i = 0; i < values.size(); ++i) {
     const size_t bin = static_cast<size_t>(values[i] + 255);
-    in_use[i % kSets][bin / 64] |= uint64_t{1} << (bin % 64);
+    in_use[bin / 64] |= uint64_t{1} << (bin % 64);
     bins_[bin].lanes += labels_[i].lanes;
   }
   Sweep sweep(total_, min_side);
-  for (size_t word = 0; word < in_use[0].size(); ++word) {
-    uint64_t bits = 0;
-    for (const auto& set : in_use) bits |= set[word];
-    for (; bits != 0; bits &= bits - 1) {
-      const size_t bin = 64 * word + static_cast<size_t>(std::countr_zero(bits));
+  for (size_t word = 0; word < in_use.size(); ++word) {
+    for (uint64_t bits = in_use[word]; bits != 0; bits &= bits - 1) {
+      const size_t bin =
+          64 * word + static_cast<size_t>(std::countr_zero(bits));
       sweep.Add(bins_[bin], static_cast<int>(bin) - 255);
       bins_[bin] = Sum{};
     }
@@ -153,8 +149,7 @@ struct EntropySplitter::Sum {
 
 EntropySplitter::EntropySplitter() : bins_(kBins) {}
 
-EntropySplitter::Range EntropySplitter::Fill(
-    std::span<const int16_t> values) {
+EntropySplitter::Range EntropySplitter::Fill(std::span<const int16_t> values) {
   Range range{kBins, -1};
   for (size_t i = 0; i < values.size(); ++i) {
     const int bin = values[i] + 255;

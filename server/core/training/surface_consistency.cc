@@ -60,8 +60,7 @@ std::optional<geometry::Vec3> DepthPoint(
   if (!image::IsMeasured(depth.values[static_cast<size_t>(pixel)])) {
     return std::nullopt;
   }
-  return DepthPoint(frame, calibration, pixel,
-                    RayOf(calibration.depth, pixel));
+  return DepthPoint(frame, calibration, pixel, RayOf(calibration.depth, pixel));
 }
 
 struct SurfacePoint {

@@ -87,7 +87,9 @@ size_t TreeGrower::Used(const Node& node) const {
 }
 
 uint32_t TreeGrower::UsedSample(const Node& node, size_t i) const {
-  return order_[node.begin + i * node.size() / Used(node)];
+  const size_t used = Used(node);
+  return order_[node.begin +
+                (used == node.size() ? i : i * node.size() / used)];
 }
 
 bool TreeGrower::BeginRound() {
@@ -133,8 +135,7 @@ bool TreeGrower::BeginRound() {
   features_.resize(std::max(features_.size(), nodes * blocks_));
   threshold_samples_.resize(
       std::max(threshold_samples_.size(), nodes * candidates_));
-  values_.resize(
-      std::max(values_.size(), slots * blocks_ * Block::kFeatures));
+  values_.resize(std::max(values_.size(), slots * blocks_ * Block::kFeatures));
   return nodes > 0;
 }
 
@@ -146,8 +147,9 @@ void TreeGrower::Prepare(size_t chunk) {
     if (!is_open_[index]) continue;
     DrawFeatures(node, index);
     for (size_t i = 0; i < Used(node); ++i) {
-      place_[UsedSample(node, i)] = {first_slot_[index] + static_cast<uint32_t>(i),
-                                     static_cast<uint32_t>(index)};
+      place_[UsedSample(node, i)] = {
+          first_slot_[index] + static_cast<uint32_t>(i),
+          static_cast<uint32_t>(index)};
     }
   }
 }
@@ -290,8 +292,9 @@ size_t TreeGrower::FindSplit(Node& node, size_t index_in_round,
     if (score > best_score) {
       best_score = score;
       best = c;
-      node.feature = features_[index_in_round * blocks_ + c / Block::kFeatures]
-                         .Get(c % Block::kFeatures);
+      node.feature =
+          features_[index_in_round * blocks_ + c / Block::kFeatures].Get(
+              c % Block::kFeatures);
       node.threshold = static_cast<int16_t>(threshold);
     }
   }
