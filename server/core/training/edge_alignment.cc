@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "opencv2/imgproc.hpp"
+
 namespace treeline::training {
 namespace {
 
@@ -12,33 +14,12 @@ constexpr double kEdgeJump = 0.08;
 // Far edges are blunt and few pixels wide.
 constexpr double kMaxEdgeDepth_m = 4;
 
-// One-dimensional Gaussian blur along rows or columns, borders repeated.
-void BlurLines(std::vector<float>& image, int lines, int length,
-               size_t line_stride, size_t step, double sigma_px) {
-  const int radius = static_cast<int>(std::ceil(3 * sigma_px));
-  std::vector<float> kernel(static_cast<size_t>(2 * radius + 1));
-  float sum = 0;
-  for (int k = -radius; k <= radius; ++k) {
-    const float w =
-        static_cast<float>(std::exp(-0.5 * k * k / (sigma_px * sigma_px)));
-    kernel[static_cast<size_t>(k + radius)] = w;
-    sum += w;
-  }
-  std::vector<float> line(static_cast<size_t>(length));
-  for (int l = 0; l < lines; ++l) {
-    float* data = image.data() + static_cast<size_t>(l) * line_stride;
-    for (int i = 0; i < length; ++i) {
-      line[static_cast<size_t>(i)] = data[static_cast<size_t>(i) * step];
-    }
-    for (int i = 0; i < length; ++i) {
-      float value = 0;
-      for (int k = -radius; k <= radius; ++k) {
-        value += kernel[static_cast<size_t>(k + radius)] *
-                 line[static_cast<size_t>(std::clamp(i + k, 0, length - 1))];
-      }
-      data[static_cast<size_t>(i) * step] = value / sum;
-    }
-  }
+// Borders repeated.
+void Blur(std::vector<float>& image, int width, int height, double sigma_px) {
+  const int size = 2 * static_cast<int>(std::ceil(3 * sigma_px)) + 1;
+  cv::Mat pixels(height, width, CV_32F, image.data());
+  cv::GaussianBlur(pixels, pixels, cv::Size(size, size), sigma_px, sigma_px,
+                   cv::BORDER_REPLICATE);
 }
 
 // Gradient magnitude of the grey image, capped, blurred, scaled to mean 1.
@@ -52,8 +33,7 @@ std::vector<float> EdgeStrength(const image::ColorImage& image,
     grey[i] = 0.299f * image.rgb[3 * i] + 0.587f * image.rgb[3 * i + 1] +
               0.114f * image.rgb[3 * i + 2];
   }
-  BlurLines(grey, h, w, stride, 1, 1.0);
-  BlurLines(grey, w, h, 1, stride, 1.0);
+  Blur(grey, w, h, 1.0);
   std::vector<float> strength(grey.size(), 0);
   for (int y = 1; y + 1 < h; ++y) {
     for (int x = 1; x + 1 < w; ++x) {
@@ -64,8 +44,7 @@ std::vector<float> EdgeStrength(const image::ColorImage& image,
       strength[i] = std::min(30.0f, std::sqrt(dx * dx + dy * dy));
     }
   }
-  BlurLines(strength, h, w, stride, 1, smoothing_px);
-  BlurLines(strength, w, h, 1, stride, smoothing_px);
+  Blur(strength, w, h, smoothing_px);
   double sum = 0;
   for (float s : strength) sum += static_cast<double>(s);
   const float scale =
@@ -78,7 +57,9 @@ std::vector<float> EdgeStrength(const image::ColorImage& image,
 }  // namespace
 
 EdgeAlignment::EdgeAlignment(const std::vector<image::Frame>& frames,
-                             double smoothing_px) {
+                             const camera::Camera& depth_camera,
+                             double smoothing_px)
+    : depth_camera_(depth_camera) {
   for (const image::Frame& frame : frames) {
     EdgeFrame edges;
     edges.width = frame.color.width;
@@ -100,10 +81,9 @@ EdgeAlignment::EdgeAlignment(const std::vector<image::Frame>& frames,
         for (const auto& d : kNeighbours) {
           if (depth_m(u + d[0], v + d[1]) <= z * (1 + kEdgeJump)) continue;
           // The edge runs between the two pixels.
+          const camera::Pixel edge = {u + 0.5 * d[0], v + 0.5 * d[1]};
           edges.edges.push_back(
-              {static_cast<float>(u) + 0.5f * static_cast<float>(d[0]),
-               static_cast<float>(v) + 0.5f * static_cast<float>(d[1]),
-               static_cast<float>(z)});
+              {edge, depth_camera.Unproject(edge), static_cast<float>(z)});
           break;
         }
       }
@@ -114,11 +94,13 @@ EdgeAlignment::EdgeAlignment(const std::vector<image::Frame>& frames,
 
 double EdgeAlignment::Strength(
     const camera::RgbdCalibration& calibration) const {
+  const bool rays_are_known = calibration.depth == depth_camera_;
   double sum = 0;
   int64_t count = 0;
   for (const EdgeFrame& frame : frames_) {
     for (const EdgePixel& edge : frame.edges) {
-      const auto ray = calibration.depth.Unproject({edge.u, edge.v});
+      const auto ray =
+          rays_are_known ? edge.ray : calibration.depth.Unproject(edge.pixel);
       if (!ray) continue;
       const double z = calibration.depth_scale * edge.depth_m;
       const camera::Pixel p =

@@ -2,6 +2,7 @@
 #ifndef SERVER_CORE_TRAINING_EDGE_ALIGNMENT_H_
 #define SERVER_CORE_TRAINING_EDGE_ALIGNMENT_H_
 
+#include <optional>
 #include <vector>
 
 #include "common/camera/rgbd_calibration.h"
@@ -13,8 +14,11 @@ namespace treeline::training {
 class EdgeAlignment {
  public:
   // smoothing_px: standard deviation of the blur of the edge strength. More
-  // sees further and less sharply. Frame::depth must be present.
-  EdgeAlignment(const std::vector<image::Frame>& frames, double smoothing_px);
+  // sees further and less sharply. Frame::depth must be present. Calibrations
+  // with this depth camera are compared fastest: undistorting pixels is what
+  // costs most.
+  EdgeAlignment(const std::vector<image::Frame>& frames,
+                const camera::Camera& depth_camera, double smoothing_px);
 
   // Mean colour edge strength, normalised per image to mean 1, at the depth
   // edges as `calibration` projects them; larger is better.
@@ -24,8 +28,8 @@ class EdgeAlignment {
   // A pixel on the near side of a depth edge: what occludes is sharp in both
   // images.
   struct EdgePixel {
-    float u = 0;
-    float v = 0;
+    camera::Pixel pixel;
+    std::optional<camera::Pixel> ray;  // through depth_camera_
     float depth_m = 0;
   };
   struct EdgeFrame {
@@ -34,6 +38,7 @@ class EdgeAlignment {
     int height = 0;
     std::vector<float> strength;  // of the colour image, row-major
   };
+  const camera::Camera depth_camera_;
   std::vector<EdgeFrame> frames_;
 };
 

@@ -89,6 +89,8 @@ class Trainer {
                          LoadedFrame& loaded) const;
   absl::Status GrowGroup(int first, int last, const std::vector<int>& frames,
                          std::vector<LoadedFrame>& loaded);
+  void GrowInRounds(
+      const std::vector<std::unique_ptr<TreeGrower>>& growers) const;
   absl::Status CheckStop() const {
     return stop_.stop_requested()
                ? absl::CancelledError("training was interrupted")
@@ -181,6 +183,52 @@ absl::Status Trainer::TrainGroup(int first, int last) {
   return GrowGroup(first, last, frames, loaded);
 }
 
+// Until all are grown, or training is to stop.
+void Trainer::GrowInRounds(
+    const std::vector<std::unique_ptr<TreeGrower>>& growers) const {
+  struct Task {
+    TreeGrower* grower;
+    size_t index;  // of a chunk or a frame
+  };
+  const auto run = [&](const std::vector<Task>& tasks, auto step) {
+    base::ParallelFor(static_cast<int64_t>(tasks.size()), options_.threads,
+                      [&](int64_t i) {
+                        const Task& task = tasks[static_cast<size_t>(i)];
+                        (task.grower->*step)(task.index);
+                      });
+  };
+  int64_t total = 0;
+  for (const auto& grower : growers) total += grower->total_work();
+  base::Progress progress("growing trees", total, quiet_);
+  int64_t finished = 0;
+  while (!stop_.stop_requested()) {
+    std::vector<Task> chunks;
+    std::vector<Task> frames;
+    int64_t now_finished = 0;
+    for (const auto& grower : growers) {
+      const bool grows = grower->BeginRound();
+      now_finished += grower->finished_work();
+      if (!grows) continue;
+      for (size_t c = 0; c < grower->chunks(); ++c) {
+        chunks.push_back({grower.get(), c});
+      }
+      for (size_t f = 0; f < grower->frames(); ++f) {
+        frames.push_back({grower.get(), f});
+      }
+    }
+    progress.Add(now_finished - finished);
+    finished = now_finished;
+    if (chunks.empty()) return;
+    // Trees that share a frame read it one after the other.
+    std::stable_sort(
+        frames.begin(), frames.end(),
+        [](const Task& a, const Task& b) { return a.index < b.index; });
+    run(chunks, &TreeGrower::Prepare);
+    run(frames, &TreeGrower::EvaluateFrame);
+    run(chunks, &TreeGrower::SplitNodes);
+  }
+}
+
 absl::Status Trainer::GrowGroup(int first, int last,
                                 const std::vector<int>& frames,
                                 std::vector<LoadedFrame>& loaded) {
@@ -203,20 +251,10 @@ absl::Status Trainer::GrowGroup(int first, int last,
         }
         growers[g] = std::make_unique<TreeGrower>(
             options_, tree, std::move(images), samples[g]);
-        growers[g]->GrowTop();
       });
-  struct Task {
-    size_t grower;
-    size_t node;
-    size_t samples;
-  };
-  std::vector<Task> tasks;
   int64_t total = 0;
-  for (size_t g = 0; g < trees; ++g) {
-    total += static_cast<int64_t>(samples[g].size());
-    for (size_t n = 0; n < growers[g]->open_nodes(); ++n) {
-      tasks.push_back({g, n, growers[g]->open_node_samples(n)});
-    }
+  for (const TreeSamples& of_tree : samples) {
+    total += static_cast<int64_t>(of_tree.size());
   }
   if (total == 0) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -226,24 +264,18 @@ absl::Status Trainer::GrowGroup(int first, int last,
                             : ": no pixel of the frames has usable depth; "
                               "check the depth unit and the depth camera"));
   }
-  // Largest first, so that no long task is left to the end.
-  std::stable_sort(
-      tasks.begin(), tasks.end(),
-      [](const Task& a, const Task& b) { return a.samples > b.samples; });
-  base::Progress progress("growing trees", total, quiet_);
-  base::ParallelFor(static_cast<int64_t>(tasks.size()), options_.threads,
-                    [&](int64_t i) {
-                      const Task& task = tasks[static_cast<size_t>(i)];
-                      growers[task.grower]->GrowOpenNode(task.node, stop_);
-                      progress.Add(static_cast<int64_t>(task.samples));
-                    });
+  GrowInRounds(growers);
   TL_RETURN_IF_ERROR(CheckStop());
-  for (size_t g = 0; g < trees; ++g) {
-    result_.trees.push_back(
-        PruneTree(growers[g]->Assemble(),
-                  static_cast<uint32_t>(options_.min_kept_samples)));
-    result_.samples += static_cast<int64_t>(samples[g].size());
-  }
+  std::vector<GrownTree> grown(trees);
+  base::ParallelFor(
+      static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
+        const size_t g = static_cast<size_t>(i);
+        grown[g] = PruneTree(growers[g]->Assemble(),
+                             static_cast<uint32_t>(options_.min_kept_samples));
+        growers[g].reset();
+      });
+  for (GrownTree& tree : grown) result_.trees.push_back(std::move(tree));
+  result_.samples += total;
   return absl::OkStatus();
 }
 

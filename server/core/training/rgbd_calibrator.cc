@@ -384,7 +384,8 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
   if (!dataset.depth_is_registered()) {
     double step_scale = 1;
     for (double smoothing_px : kSmoothing_px) {
-      const EdgeAlignment edges(loaded.frames, smoothing_px);
+      const EdgeAlignment edges(loaded.frames, Apply(nominal, x).depth,
+                                smoothing_px);
       report.edge_strength_before = edges.Strength(nominal);
       ClimbEdges(edges, nominal, by_edges, step_scale, x, progress, stop);
       report.edge_strength_after = edges.Strength(Apply(nominal, x));

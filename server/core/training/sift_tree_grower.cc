@@ -94,6 +94,7 @@ class Grower {
           position_[static_cast<size_t>(samples_.point[subset_[i]])];
       labels_[i] = {p.x - origin.x, p.y - origin.y, p.z - origin.z};
     }
+    splitter_.SetLabels(labels_);
     base::Random random(options_.seed,
                         base::MixBits(static_cast<uint64_t>(tree_) + 1) ^ path);
     bool found = false;
@@ -146,7 +147,7 @@ class Grower {
   }
 
   double VarianceScore(int& threshold) {
-    const ThresholdChoice choice = splitter_.Best(values_, labels_, 1);
+    const ThresholdChoice choice = splitter_.Best(values_, 1);
     threshold = choice.threshold;
     return choice.gain;
   }

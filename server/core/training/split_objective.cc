@@ -1,6 +1,8 @@
 #include "server/core/training/split_objective.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -16,62 +18,88 @@ double BalanceObjective(std::span<const int16_t> values, int threshold) {
          static_cast<double>(total);
 }
 
-VarianceSplitter::VarianceSplitter() : bins_(kBins) {}
+// With S the sum of n labels, sum |m - mean|^2 = sum |m|^2 - |S|^2 / n, and the
+// first term is the same for every split: maximise
+// |S_left|^2 / n_left + |S_right|^2 / n_right - |S|^2 / n.
+class VarianceSplitter::Sweep {
+ public:
+  Sweep(const Sum& total, int min_side)
+      : x_(static_cast<double>(total.lanes[0])),
+        y_(static_cast<double>(total.lanes[1])),
+        z_(static_cast<double>(total.lanes[2])),
+        count_(static_cast<double>(total.lanes[3])),
+        min_side_(min_side) {}
 
-ThresholdChoice VarianceSplitter::Best(std::span<const int16_t> values,
-                                       std::span<const Label> labels,
-                                       int min_side) {
-  // With S the sum of n labels, sum |m - mean|^2 = sum |m|^2 - |S|^2 / n, and
-  // the first term is the same for every split: maximise
-  // |S_left|^2 / n_left + |S_right|^2 / n_right - |S|^2 / n.
-  int low = kBins;
-  int high = -1;
-  Sum total;
-  for (size_t i = 0; i < values.size(); ++i) {
-    const int bin = values[i] + 255;
-    low = std::min(low, bin);
-    high = std::max(high, bin);
-    Sum& sum = bins_[static_cast<size_t>(bin)];
-    sum.x += labels[i].x;
-    sum.y += labels[i].y;
-    sum.z += labels[i].z;
-    ++sum.count;
-    total.x += labels[i].x;
-    total.y += labels[i].y;
-    total.z += labels[i].z;
-    ++total.count;
-  }
-  const auto term = [](double x, double y, double z, double count) {
-    return (x * x + y * y + z * z) / count;
-  };
-  ThresholdChoice best;
-  double best_score = -1;
-  double x = 0;
-  double y = 0;
-  double z = 0;
-  int32_t left = 0;
-  for (int bin = low; bin <= high; ++bin) {
-    Sum& sum = bins_[static_cast<size_t>(bin)];
-    if (sum.count == 0) continue;
-    x += sum.x;
-    y += sum.y;
-    z += sum.z;
-    left += sum.count;
-    sum = Sum{};
-    const int32_t right = total.count - left;
-    if (left < min_side || right < min_side || right == 0) continue;
-    const double score = term(x, y, z, left) +
-                         term(total.x - x, total.y - y, total.z - z, right);
-    if (score > best_score) {
-      best_score = score;
-      best.threshold = bin - 255;
+  // All samples of the next value.
+  void Add(const Sum& sum, int value) {
+    left_x_ += static_cast<double>(sum.lanes[0]);
+    left_y_ += static_cast<double>(sum.lanes[1]);
+    left_z_ += static_cast<double>(sum.lanes[2]);
+    left_ += static_cast<double>(sum.lanes[3]);
+    const double right = count_ - left_;
+    if (left_ < min_side_ || right < min_side_ || right == 0) return;
+    const double score = Term(left_x_, left_y_, left_z_, left_) +
+                         Term(x_ - left_x_, y_ - left_y_, z_ - left_z_, right);
+    if (score > best_score_) {
+      best_score_ = score;
+      threshold_ = value;
     }
   }
-  if (best_score >= 0) {
-    best.gain = std::max(
-        0.0, best_score - term(total.x, total.y, total.z, total.count));
+
+  ThresholdChoice Best() const {
+    if (best_score_ < 0) return {};
+    return {threshold_, std::max(0.0, best_score_ - Term(x_, y_, z_, count_))};
   }
-  return best;
+
+ private:
+  static double Term(double x, double y, double z, double count) {
+    return (x * x + y * y + z * z) / count;
+  }
+
+  const double x_;
+  const double y_;
+  const double z_;
+  const double count_;
+  const double min_side_;
+  double left_x_ = 0;
+  double left_y_ = 0;
+  double left_z_ = 0;
+  double left_ = 0;
+  double best_score_ = -1;
+  int threshold_ = 0;
+};
+
+VarianceSplitter::VarianceSplitter() : bins_(kBins) {}
+
+void VarianceSplitter::SetLabels(std::span<const Label> labels) {
+  labels_.resize(labels.size());
+  total_ = Sum{};
+  for (size_t i = 0; i < labels.size(); ++i) {
+    labels_[i].lanes = Sum::Lanes{labels[i].x, labels[i].y, labels[i].z, 1};
+    total_.lanes += labels_[i].lanes;
+  }
+}
+
+ThresholdChoice VarianceSplitter::Best(std::span<const int16_t> values,
+                                       int min_side) {
+  // Which bins are in use, a bit each: most nodes have far fewer samples than
+  // there are bins.
+  std::array<uint64_t, (kBins + 63) / 64> in_use{};
+  for (size_t i = 0; i < values.size(); ++i) {
+    const size_t bin = static_cast<size_t>(values[i] + 255);
+    in_use[bin / 64] |= uint64_t{1} << (bin % 64);
+    bins_[bin].lanes += labels_[i].lanes;
+  }
+  Sweep sweep(total_, min_side);
+  for (size_t word = 0; word < in_use.size(); ++word) {
+    for (uint64_t bits = in_use[word]; bits != 0; bits &= bits - 1) {
+      const size_t bin =
+          64 * word + static_cast<size_t>(std::countr_zero(bits));
+      sweep.Add(bins_[bin], static_cast<int>(bin) - 255);
+      bins_[bin] = Sum{};
+    }
+  }
+  return sweep.Best();
 }
 
 // Moments of one side of a split, in double: differences of large sums.
@@ -121,15 +149,14 @@ struct EntropySplitter::Sum {
 
 EntropySplitter::EntropySplitter() : bins_(kBins) {}
 
-EntropySplitter::Range EntropySplitter::Fill(std::span<const int16_t> values,
-                                             std::span<const Label> labels) {
+EntropySplitter::Range EntropySplitter::Fill(std::span<const int16_t> values) {
   Range range{kBins, -1};
   for (size_t i = 0; i < values.size(); ++i) {
     const int bin = values[i] + 255;
     range.low = std::min(range.low, bin);
     range.high = std::max(range.high, bin);
     Moments& m = bins_[static_cast<size_t>(bin)];
-    const auto [x, y, z] = labels[i];
+    const auto [x, y, z] = labels_[i];
     m.x += x;
     m.y += y;
     m.z += z;
@@ -145,9 +172,8 @@ EntropySplitter::Range EntropySplitter::Fill(std::span<const int16_t> values,
 }
 
 ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
-                                      std::span<const Label> labels,
                                       int min_side) {
-  const auto [low, high] = Fill(values, labels);
+  const auto [low, high] = Fill(values);
   Sum total;
   int32_t occupied = 0;
   for (int bin = low; bin <= high; ++bin) {

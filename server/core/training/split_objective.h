@@ -31,22 +31,29 @@ struct ThresholdChoice {
 
 // Finds the threshold on one feature that reduces spatial variance most (Eq.
 // 3.8), over all thresholds that leave at least min_side samples on both
-// sides. Values lie in [-255, 255]; labels[i] belongs to values[i]. Keeps its
-// working memory between calls: one object a thread.
+// sides. Values lie in [-255, 255]. Keeps its working memory between calls: one
+// object a thread.
 class VarianceSplitter {
  public:
   VarianceSplitter();
-  ThresholdChoice Best(std::span<const int16_t> values,
-                       std::span<const Label> labels, int min_side);
+  // Of the samples, at most 2^24, of which features are tried next.
+  void SetLabels(std::span<const Label> labels);
+  // labels[i] belongs to values[i].
+  ThresholdChoice Best(std::span<const int16_t> values, int min_side);
 
  private:
   static constexpr int kBins = 511;
+
   struct Sum {
-    float x = 0;
-    float y = 0;
-    float z = 0;
-    int32_t count = 0;
+    using Lanes [[gnu::vector_size(16)]] = float;
+    // x, y, z and the number of some samples, which a float holds, too.
+    Lanes lanes = {};
   };
+  // Goes through the values in ascending order.
+  class Sweep;
+
+  std::vector<Sum> labels_;  // (x, y, z, 1)
+  Sum total_;
   std::vector<Sum> bins_;
 };
 
@@ -64,8 +71,9 @@ class EntropySplitter {
   static constexpr int kMaxThresholds = 24;
 
   EntropySplitter();
-  ThresholdChoice Best(std::span<const int16_t> values,
-                       std::span<const Label> labels, int min_side);
+  // The labels must outlive the calls of Best.
+  void SetLabels(std::span<const Label> labels) { labels_ = labels; }
+  ThresholdChoice Best(std::span<const int16_t> values, int min_side);
 
  private:
   static constexpr int kBins = 511;
@@ -82,8 +90,9 @@ class EntropySplitter {
   };
 
   // Adds the samples to bins_; returns the first and last bin in use.
-  Range Fill(std::span<const int16_t> values, std::span<const Label> labels);
+  Range Fill(std::span<const int16_t> values);
 
+  std::span<const Label> labels_;
   std::vector<Moments> bins_;
 };
 

@@ -34,6 +34,21 @@ geometry::Rigid3 WorldFromDepth(const PosedDepth& frame,
              : frame.world_from_sensor;
 }
 
+std::optional<camera::Pixel> RayOf(const camera::Camera& camera, int pixel) {
+  return camera.Unproject({static_cast<double>(pixel % camera.width()),
+                           static_cast<double>(pixel / camera.width())});
+}
+
+// At a pixel of the depth image with that ray.
+std::optional<geometry::Vec3> DepthPoint(
+    const PosedDepth& frame, const camera::RgbdCalibration& calibration,
+    int pixel, const std::optional<camera::Pixel>& ray) {
+  const uint16_t value = frame.depth.values[static_cast<size_t>(pixel)];
+  if (!ray || !image::IsMeasured(value)) return std::nullopt;
+  const double z = value * frame.depth.unit_m * calibration.depth_scale;
+  return geometry::Vec3{ray->x * z, ray->y * z, z};
+}
+
 std::optional<geometry::Vec3> DepthPoint(
     const PosedDepth& frame, const camera::RgbdCalibration& calibration, int u,
     int v) {
@@ -41,15 +56,11 @@ std::optional<geometry::Vec3> DepthPoint(
   if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) {
     return std::nullopt;
   }
-  const uint16_t value =
-      depth.values[static_cast<size_t>(v) * static_cast<size_t>(depth.width) +
-                   static_cast<size_t>(u)];
-  if (!image::IsMeasured(value)) return std::nullopt;
-  const double z = value * depth.unit_m * calibration.depth_scale;
-  const auto ray = calibration.depth.Unproject(
-      {static_cast<double>(u), static_cast<double>(v)});
-  if (!ray) return std::nullopt;
-  return geometry::Vec3{ray->x * z, ray->y * z, z};
+  const int pixel = v * depth.width + u;
+  if (!image::IsMeasured(depth.values[static_cast<size_t>(pixel)])) {
+    return std::nullopt;
+  }
+  return DepthPoint(frame, calibration, pixel, RayOf(calibration.depth, pixel));
 }
 
 struct SurfacePoint {
@@ -102,7 +113,7 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
       if (i == j || angle < kMinAngle_rad || angle > kMaxAngle_rad) continue;
       const geometry::Rigid3 to_from =
           world_from_depth[j].Inverse() * world_from_depth[i];
-      Pair pair{i, j, {}, {}};
+      Pair pair{i, j, {}, {}, {}, {}};
       int overlap = 0;
       for (int k = 0;
            k < 4 * kPointsPerPair && pair.pixels.size() < kPointsPerPair; ++k) {
@@ -131,16 +142,19 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
 }
 
 void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration) {
+  depth_camera_ = calibration.depth;
   for (Pair& pair : pairs_) {
     const PosedDepth& from = frames_[pair.from];
     const PosedDepth& to = frames_[pair.to];
     const geometry::Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
                                      WorldFromDepth(from, calibration);
     pair.partners.assign(pair.pixels.size(), Partner{});
+    pair.rays.assign(pair.pixels.size(), std::nullopt);
+    pair.partner_rays.assign(pair.pixels.size(), std::nullopt);
     for (size_t i = 0; i < pair.pixels.size(); ++i) {
       const int pixel = static_cast<int>(pair.pixels[i]);
-      const auto point = DepthPoint(from, calibration, pixel % from.depth.width,
-                                    pixel / from.depth.width);
+      pair.rays[i] = RayOf(depth_camera_, pixel);
+      const auto point = DepthPoint(from, calibration, pixel, pair.rays[i]);
       if (!point) continue;
       const geometry::Vec3 moved = to_from * *point;
       if (moved.z <= 0.1) continue;
@@ -151,6 +165,7 @@ void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration) {
       const auto surface = SurfaceAt(to, calibration, u, v);
       if (!surface) continue;
       pair.partners[i] = {v * to.depth.width + u, surface->normal};
+      pair.partner_rays[i] = RayOf(depth_camera_, pair.partners[i].pixel);
     }
   }
 }
@@ -158,6 +173,7 @@ void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration) {
 template <typename Visit>
 void SurfaceConsistency::VisitPoints(const camera::RgbdCalibration& calibration,
                                      const Visit& visit) const {
+  const bool rays_are_known = calibration.depth == depth_camera_;
   size_t slot = 0;
   for (const Pair& pair : pairs_) {
     const PosedDepth& from = frames_[pair.from];
@@ -169,11 +185,13 @@ void SurfaceConsistency::VisitPoints(const camera::RgbdCalibration& calibration,
       const Partner& partner = pair.partners[i];
       if (partner.pixel < 0) continue;
       const int pixel = static_cast<int>(pair.pixels[i]);
-      const auto point = DepthPoint(from, calibration, pixel % from.depth.width,
-                                    pixel / from.depth.width);
+      const auto point = DepthPoint(
+          from, calibration, pixel,
+          rays_are_known ? pair.rays[i] : RayOf(calibration.depth, pixel));
       const auto surface =
-          DepthPoint(to, calibration, partner.pixel % to.depth.width,
-                     partner.pixel / to.depth.width);
+          DepthPoint(to, calibration, partner.pixel,
+                     rays_are_known ? pair.partner_rays[i]
+                                    : RayOf(calibration.depth, partner.pixel));
       if (!point || !surface) continue;
       // In measured units: a larger scale must not look better (or worse) for
       // its own sake, as it would where the camera only turns.

@@ -4,6 +4,7 @@
 #define SERVER_CORE_TRAINING_SURFACE_CONSISTENCY_H_
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/camera/rgbd_calibration.h"
@@ -47,11 +48,16 @@ class SurfaceConsistency {
     int32_t pixel = -1;  // -1: none
     geometry::Vec3 normal;
   };
+  // The ray of a depth pixel, where it has one.
+  using Ray = std::optional<camera::Pixel>;
   struct Pair {
     size_t from = 0;
     size_t to = 0;
     std::vector<uint32_t> pixels;   // compared depth pixels of `from`
     std::vector<Partner> partners;  // what they fall on, slot by slot
+    // Through depth_camera_: of the pixels, and of their partners.
+    std::vector<Ray> rays;
+    std::vector<Ray> partner_rays;
   };
 
   template <typename Visit>
@@ -60,6 +66,9 @@ class SurfaceConsistency {
 
   const std::vector<PosedDepth>& frames_;
   std::vector<Pair> pairs_;
+  // Of the last association. Most calibrations that are compared with it have
+  // the same one, and undistorting pixels is what costs most.
+  camera::Camera depth_camera_;
 };
 
 }  // namespace treeline::training

@@ -11,8 +11,14 @@
 namespace treeline::training {
 namespace {
 
-// Open nodes become tasks of their own below this share of the tree's samples.
-constexpr size_t kTasksPerTree = 32;
+// Values of features that a round keeps at most: 16 MiB of them.
+constexpr size_t kMaxRoundValues = size_t{1} << 23;
+
+// A chunk of a round's nodes has about so many samples.
+constexpr size_t kChunkSamples = 4096;
+
+// Samples whose features are fetched ahead.
+constexpr size_t kSamplesAhead = 8;
 
 // Lookups in flight at a time: pixels are scattered over all frames, so each
 // is a cache miss.
@@ -47,9 +53,9 @@ void AppendNodes(const std::vector<forest::Node>& subtree, uint32_t mode_base,
 struct TreeGrower::Workspace {
   VarianceSplitter variance;
   EntropySplitter entropy;
-  std::vector<uint32_t> subset;
   std::vector<Label> labels;
-  std::vector<int16_t> values;
+  std::vector<int16_t> values;  // of one feature after the other
+  std::vector<int16_t> all_values;
   std::vector<uint32_t> right_side;
 };
 
@@ -60,65 +66,97 @@ TreeGrower::TreeGrower(const TrainingOptions& options, int tree,
       tree_(tree),
       images_(std::move(images)),
       samples_(samples),
-      order_(samples.size()) {
+      candidates_(static_cast<size_t>(options.split_candidates)),
+      blocks_((candidates_ + Block::kFeatures - 1) / Block::kFeatures),
+      frame_end_(images_.size(), 0),
+      order_(samples.size()),
+      place_(samples.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
+  for (const uint16_t frame : samples_.frame) ++frame_end_[frame];
+  std::partial_sum(frame_end_.begin(), frame_end_.end(), frame_end_.begin());
+  nodes_.emplace_back();
+  nodes_.back().end = static_cast<uint32_t>(samples.size());
 }
 
-void TreeGrower::GrowTop() {
-  const size_t task_size = samples_.size() / kTasksPerTree;
-  Workspace work;
-  std::vector<std::pair<size_t, OpenNode>> waiting;  // index into top_
-  top_.emplace_back();
-  waiting.push_back({0, OpenNode{0, order_.size(), 0, 1, {}}});
-  while (!waiting.empty()) {
-    auto [index, node] = std::move(waiting.back());
-    waiting.pop_back();
-    Split split;
-    if (node.end - node.begin <= task_size || IsLeaf(node) ||
-        !FindSplit(node, work, split)) {
-      top_[index].open = open_.size();
-      open_.push_back(std::move(node));
-      continue;
+int64_t TreeGrower::total_work() const {
+  return static_cast<int64_t>(samples_.size()) * (options_.max_depth + 1);
+}
+
+size_t TreeGrower::Used(const Node& node) const {
+  return std::min(node.size(), static_cast<size_t>(options_.max_split_samples));
+}
+
+uint32_t TreeGrower::UsedSample(const Node& node, size_t i) const {
+  const size_t used = Used(node);
+  return order_[node.begin +
+                (used == node.size() ? i : i * node.size() / used)];
+}
+
+bool TreeGrower::BeginRound() {
+  for (size_t n = round_.begin; n < round_.end; ++n) {
+    const Node& parent = nodes_[n];
+    finished_work_ +=
+        static_cast<int64_t>(parent.size()) *
+        (parent.is_split ? 1 : options_.max_depth + 1 - parent.depth);
+    if (!parent.is_split) continue;
+    Node left;
+    left.begin = parent.begin;
+    left.end = parent.middle;
+    left.depth = static_cast<int8_t>(parent.depth + 1);
+    left.path = parent.path * 2;
+    Node right = left;
+    right.begin = parent.middle;
+    right.end = parent.end;
+    right.path = parent.path * 2 + 1;
+    nodes_[n].left = static_cast<uint32_t>(nodes_.size());
+    nodes_.push_back(left);
+    nodes_.push_back(right);
+  }
+  round_ = {round_.end, round_.end};
+  chunks_.clear();
+  first_slot_.clear();
+  size_t slots = 0;
+  size_t chunk_samples = kChunkSamples;
+  for (; round_.end < nodes_.size(); ++round_.end) {
+    const Node& node = nodes_[round_.end];
+    const size_t values = (slots + Used(node)) * blocks_ * Block::kFeatures;
+    if (slots > 0 && values > kMaxRoundValues) break;
+    if (chunk_samples >= kChunkSamples) {
+      chunks_.push_back({round_.end, round_.end});
+      chunk_samples = 0;
     }
-    const size_t middle = Partition(node, split, work);
-    const size_t left = top_.size();
-    top_.resize(left + 2);
-    top_[index] = {true, split, left, left + 1, 0};
-    waiting.push_back(
-        {left, {node.begin, middle, node.depth + 1, node.path * 2, {}}});
-    waiting.push_back(
-        {left + 1, {middle, node.end, node.depth + 1, node.path * 2 + 1, {}}});
+    first_slot_.push_back(static_cast<uint32_t>(slots));
+    slots += Used(node);
+    chunk_samples += node.size();
+    chunks_.back().end = round_.end + 1;
+  }
+  const size_t nodes = round_.end - round_.begin;
+  is_open_.assign(nodes, 0);
+  features_.resize(std::max(features_.size(), nodes * blocks_));
+  threshold_samples_.resize(
+      std::max(threshold_samples_.size(), nodes * candidates_));
+  values_.resize(std::max(values_.size(), slots * blocks_ * Block::kFeatures));
+  return nodes > 0;
+}
+
+void TreeGrower::Prepare(size_t chunk) {
+  for (size_t n = chunks_[chunk].begin; n < chunks_[chunk].end; ++n) {
+    const Node& node = nodes_[n];
+    const size_t index = n - round_.begin;
+    is_open_[index] = !IsLeaf(node);
+    if (!is_open_[index]) continue;
+    DrawFeatures(node, index);
+    for (size_t i = 0; i < Used(node); ++i) {
+      place_[UsedSample(node, i)] = {
+          first_slot_[index] + static_cast<uint32_t>(i),
+          static_cast<uint32_t>(index)};
+    }
   }
 }
 
-void TreeGrower::GrowOpenNode(size_t i, const std::stop_token& stop) {
-  Workspace work;
-  Grow(open_[i], work, stop, open_[i].grown);
-}
-
-void TreeGrower::Grow(const OpenNode& node, Workspace& work,
-                      const std::stop_token& stop, GrownTree& grown) {
-  Split split;
-  if (stop.stop_requested() || IsLeaf(node) || !FindSplit(node, work, split)) {
-    MakeLeaf(node, grown);
-    return;
-  }
-  const size_t middle = Partition(node, split, work);
-  const size_t self = grown.nodes.size();
-  grown.nodes.emplace_back();
-  Grow({node.begin, middle, node.depth + 1, node.path * 2, {}}, work, stop,
-       grown);
-  grown.nodes[self] =
-      forest::Node::Split(split.feature, split.threshold,
-                          static_cast<uint32_t>(grown.nodes.size() - self));
-  Grow({middle, node.end, node.depth + 1, node.path * 2 + 1, {}}, work, stop,
-       grown);
-}
-
-bool TreeGrower::IsLeaf(const OpenNode& node) const {
-  const size_t count = node.end - node.begin;
+bool TreeGrower::IsLeaf(const Node& node) const {
   if (node.depth >= options_.max_depth ||
-      count < 2 * static_cast<size_t>(options_.min_leaf_samples)) {
+      node.size() < 2 * static_cast<size_t>(options_.min_leaf_samples)) {
     return true;
   }
   geometry::Vec3 sum;
@@ -130,67 +168,137 @@ bool TreeGrower::IsLeaf(const OpenNode& node) const {
     sum = sum + v;
     squares += geometry::SquaredNorm(v);
   }
-  const double n = static_cast<double>(count);
+  const double n = static_cast<double>(node.size());
   const double variance = squares / n - geometry::SquaredNorm(sum / n);
   return variance <= options_.min_spread_m * options_.min_spread_m;
 }
 
-bool TreeGrower::FindSplit(const OpenNode& node, Workspace& work,
-                           Split& split) const {
-  const size_t count = node.end - node.begin;
-  const size_t used =
-      std::min(count, static_cast<size_t>(options_.max_split_samples));
-  work.subset.resize(used);
-  work.labels.resize(used);
-  work.values.resize(used);
-  const Label origin = samples_.point_in_world[order_[node.begin]];
-  for (size_t i = 0; i < used; ++i) {
-    const uint32_t sample = order_[node.begin + i * count / used];
-    const Label& p = samples_.point_in_world[sample];
-    work.subset[i] = sample;
-    work.labels[i] = {p.x - origin.x, p.y - origin.y, p.z - origin.z};
-  }
+void TreeGrower::DrawFeatures(const Node& node, size_t index_in_round) {
   base::Random random(
       options_.seed,
       base::MixBits(static_cast<uint64_t>(tree_) + 1) ^ node.path);
-  const bool balanced = node.depth < options_.balanced_levels;
   const int max_delta = static_cast<int>(4 * options_.max_offset_px_m);
   const auto draw_delta = [&] {
     return static_cast<int16_t>(static_cast<int>(random.NextBelow(
                                     static_cast<uint32_t>(2 * max_delta + 1))) -
                                 max_delta);
   };
-  bool found = false;
-  double best = 0;
-  for (int c = 0; c < options_.split_candidates; ++c) {
+  const uint32_t used = static_cast<uint32_t>(Used(node));
+  for (size_t c = 0; c < candidates_; ++c) {
     features::PixelDifference feature;
     feature.dx = draw_delta();
     feature.dy = draw_delta();
     feature.c1 = static_cast<uint8_t>(random.NextBelow(3));
     feature.c2 = static_cast<uint8_t>(random.NextBelow(3));
-    const uint32_t threshold_sample =
-        random.NextBelow(static_cast<uint32_t>(used));
-    EvaluateFeature(feature, work.subset, work.values);
-    int threshold = work.values[threshold_sample];
+    features_[index_in_round * blocks_ + c / Block::kFeatures].Set(
+        c % Block::kFeatures, feature);
+    threshold_samples_[index_in_round * candidates_ + c] =
+        static_cast<uint16_t>(random.NextBelow(used));
+  }
+}
+
+void TreeGrower::EvaluateFrame(size_t frame) {
+  const size_t begin = frame == 0 ? 0 : frame_end_[frame - 1];
+  const size_t end = frame_end_[frame];
+  const features::PlanarImage& image = *images_[frame];
+  for (size_t s = begin; s < end; ++s) {
+    if (s + kSamplesAhead < end &&
+        place_[s + kSamplesAhead].slot != Place::kNone) {
+      const Place& ahead = place_[s + kSamplesAhead];
+      const char* features =
+          reinterpret_cast<const char*>(&features_[ahead.node * blocks_]);
+      for (size_t b = 0; b < blocks_ * sizeof(Block); b += 64) {
+        __builtin_prefetch(features + b);
+      }
+    }
+    const Place& place = place_[s];
+    if (place.slot == Place::kNone) continue;
+    features::EvaluateBlocks(
+        std::span(features_).subspan(place.node * blocks_, blocks_), image,
+        samples_.x[s], samples_.y[s], samples_.inverse_depth_q12[s],
+        std::span(values_).subspan(place.slot * blocks_ * Block::kFeatures,
+                                   blocks_ * Block::kFeatures));
+  }
+}
+
+void TreeGrower::SplitNodes(size_t chunk) {
+  Workspace work;
+  for (size_t n = chunks_[chunk].begin; n < chunks_[chunk].end; ++n) {
+    Node& node = nodes_[n];
+    const size_t index = n - round_.begin;
+    if (!is_open_[index]) continue;
+    const size_t used = Used(node);
+    for (size_t i = 0; i < used; ++i) place_[UsedSample(node, i)] = Place{};
+    const size_t best = FindSplit(node, index, work);
+    node.is_split = best < candidates_;
+    if (!node.is_split) continue;
+    std::span<const int16_t> values =
+        std::span(work.values).subspan(best * used, used);
+    if (used < node.size()) {
+      work.all_values.resize(node.size());
+      EvaluateFeature(node.feature,
+                      std::span(order_).subspan(node.begin, node.size()),
+                      work.all_values);
+      values = work.all_values;
+    }
+    Partition(node, values, work);
+  }
+}
+
+void TreeGrower::Transpose(size_t slot, size_t used,
+                           std::vector<int16_t>& values) const {
+  const size_t stride = blocks_ * Block::kFeatures;
+  values.resize(candidates_ * used);
+  for (size_t i = 0; i < used; ++i) {
+    const int16_t* of_sample = values_.data() + (slot + i) * stride;
+    for (size_t c = 0; c < candidates_; ++c) {
+      values[c * used + i] = of_sample[c];
+    }
+  }
+}
+
+size_t TreeGrower::FindSplit(Node& node, size_t index_in_round,
+                             Workspace& work) const {
+  const size_t used = Used(node);
+  work.labels.resize(used);
+  const Label origin = samples_.point_in_world[order_[node.begin]];
+  for (size_t i = 0; i < used; ++i) {
+    const Label& p = samples_.point_in_world[UsedSample(node, i)];
+    work.labels[i] = {p.x - origin.x, p.y - origin.y, p.z - origin.z};
+  }
+  work.variance.SetLabels(work.labels);
+  work.entropy.SetLabels(work.labels);
+  Transpose(first_slot_[index_in_round], used, work.values);
+  const bool balanced = node.depth < options_.balanced_levels;
+  size_t best = candidates_;
+  double best_score = 0;
+  for (size_t c = 0; c < candidates_; ++c) {
+    const std::span<const int16_t> values =
+        std::span(work.values).subspan(c * used, used);
+    int threshold = 0;
     double score = 0;
     if (balanced) {
-      score = 1 - BalanceObjective(work.values, threshold);
+      threshold = values[threshold_samples_[index_in_round * candidates_ + c]];
+      score = 1 - BalanceObjective(values, threshold);
     } else {
       const int min_side = options_.min_leaf_samples;
       const ThresholdChoice choice =
           options_.objective == SplitObjective::kVariance
-              ? work.variance.Best(work.values, work.labels, min_side)
-              : work.entropy.Best(work.values, work.labels, min_side);
+              ? work.variance.Best(values, min_side)
+              : work.entropy.Best(values, min_side);
       threshold = choice.threshold;
       score = choice.gain;
     }
-    if (score > best) {
-      best = score;
-      split = {feature, threshold};
-      found = true;
+    if (score > best_score) {
+      best_score = score;
+      best = c;
+      node.feature =
+          features_[index_in_round * blocks_ + c / Block::kFeatures].Get(
+              c % Block::kFeatures);
+      node.threshold = static_cast<int16_t>(threshold);
     }
   }
-  return found;
+  return best;
 }
 
 void TreeGrower::EvaluateFeature(const features::PixelDifference& feature,
@@ -223,16 +331,13 @@ void TreeGrower::EvaluateFeature(const features::PixelDifference& feature,
   }
 }
 
-size_t TreeGrower::Partition(const OpenNode& node, const Split& split,
-                             Workspace& work) {
-  const std::span<uint32_t> order(order_.data() + node.begin,
-                                  node.end - node.begin);
-  work.values.resize(order.size());
-  EvaluateFeature(split.feature, order, work.values);
+void TreeGrower::Partition(Node& node, std::span<const int16_t> values,
+                           Workspace& work) {
+  const std::span<uint32_t> order(order_.data() + node.begin, node.size());
   work.right_side.clear();
   size_t left = 0;
   for (size_t i = 0; i < order.size(); ++i) {
-    if (work.values[i] <= split.threshold) {
+    if (values[i] <= node.threshold) {
       order[left++] = order[i];
     } else {
       work.right_side.push_back(order[i]);
@@ -240,27 +345,25 @@ size_t TreeGrower::Partition(const OpenNode& node, const Split& split,
   }
   std::copy(work.right_side.begin(), work.right_side.end(),
             order.begin() + static_cast<std::ptrdiff_t>(left));
-  return node.begin + left;
+  node.middle = node.begin + static_cast<uint32_t>(left);
 }
 
-void TreeGrower::MakeLeaf(const OpenNode& node, GrownTree& grown) const {
+void TreeGrower::AppendModes(const Node& node,
+                             std::vector<GrownLeaf>& leaves) const {
   const std::span<const uint32_t> samples(order_.data() + node.begin,
-                                          node.end - node.begin);
-  const uint32_t first = static_cast<uint32_t>(grown.leaves.size());
-  if (options_.mode_bandwidth_m > 0 && !samples.empty()) {
-    std::vector<Label> points;
-    for (uint32_t s : samples) points.push_back(samples_.point_in_world[s]);
-    for (const std::vector<size_t>& mode : MeanShiftModes(
-             points, options_.mode_bandwidth_m, forest::Node::kMaxModes)) {
-      std::vector<uint32_t> of_mode;
-      for (size_t i : mode) of_mode.push_back(samples[i]);
-      grown.leaves.push_back(MakeMode(of_mode));
-    }
-  } else {
-    grown.leaves.push_back(MakeMode(samples));
+                                          node.size());
+  if (options_.mode_bandwidth_m == 0 || samples.empty()) {
+    leaves.push_back(MakeMode(samples));
+    return;
   }
-  grown.nodes.push_back(forest::Node::Leaf(
-      first, static_cast<uint32_t>(grown.leaves.size()) - first));
+  std::vector<Label> points;
+  for (uint32_t s : samples) points.push_back(samples_.point_in_world[s]);
+  for (const std::vector<size_t>& mode : MeanShiftModes(
+           points, options_.mode_bandwidth_m, forest::Node::kMaxModes)) {
+    std::vector<uint32_t> of_mode;
+    for (size_t i : mode) of_mode.push_back(samples[i]);
+    leaves.push_back(MakeMode(of_mode));
+  }
 }
 
 GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
@@ -294,29 +397,29 @@ GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
   return mode;
 }
 
-GrownTree TreeGrower::Assemble() {
+GrownTree TreeGrower::Assemble() const {
   GrownTree tree;
   Emit(0, tree);
   return tree;
 }
 
-void TreeGrower::Emit(size_t top_index, GrownTree& tree) {
-  const TopNode top = top_[top_index];
-  if (!top.is_split) {
-    GrownTree& grown = open_[top.open].grown;
-    AppendNodes(grown.nodes, static_cast<uint32_t>(tree.leaves.size()),
-                tree.nodes);
-    AppendTo(tree.leaves, grown.leaves);
-    grown = GrownTree{};
-    return;
-  }
+void TreeGrower::Emit(size_t n, GrownTree& tree) const {
+  const Node& node = nodes_[n];
   const size_t self = tree.nodes.size();
   tree.nodes.emplace_back();
-  Emit(top.left, tree);
+  if (!node.is_split) {
+    const size_t first = tree.leaves.size();
+    AppendModes(node, tree.leaves);
+    tree.nodes[self] =
+        forest::Node::Leaf(static_cast<uint32_t>(first),
+                           static_cast<uint32_t>(tree.leaves.size() - first));
+    return;
+  }
+  Emit(node.left, tree);
   tree.nodes[self] =
-      forest::Node::Split(top.split.feature, top.split.threshold,
+      forest::Node::Split(node.feature, node.threshold,
                           static_cast<uint32_t>(tree.nodes.size() - self));
-  Emit(top.right, tree);
+  Emit(node.left + 1, tree);
 }
 
 }  // namespace treeline::training

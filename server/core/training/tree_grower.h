@@ -4,9 +4,9 @@
 
 #include <cstdint>
 #include <span>
-#include <stop_token>
 #include <vector>
 
+#include "server/core/features/pixel_difference_blocks.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/walsh_hadamard.h"
 #include "server/core/forest/forest.h"
@@ -48,70 +48,115 @@ struct GrownTree {
 void AppendNodes(const std::vector<forest::Node>& subtree, uint32_t mode_base,
                  std::vector<forest::Node>& nodes);
 
-// Grows one tree in two steps, so that many trees share the processors evenly:
-// GrowTop splits the largest nodes one after the other, then each open node
-// that is left may be grown by itself, on any thread, and Assemble puts all
-// together. A node's random draws depend on (seed, tree, its place in the
-// tree) alone.
+// Grows one tree in rounds, so that many trees share the frames and the
+// processors: each round splits the nodes that wait, level by level, as many as
+// its memory allows.
+//
+//   while (grower.BeginRound()) {
+//     Prepare(c) of each chunk c;         // on any threads
+//     EvaluateFrame(f) of each frame f;   // likewise
+//     SplitNodes(c) of each chunk c;      // likewise
+//   }
+//   grower.Assemble();
+//
+// Features are evaluated frame by frame, all features of a sample at once: a
+// frame then is in a processor's cache for all of its samples, where a node's
+// samples are scattered over all frames. A node's random draws depend on (seed,
+// tree, its place in the tree) alone, and so does the tree.
 class TreeGrower {
  public:
-  // images[f] is the frame f of samples.frame; all must outlive the grower.
+  // images[f] is the frame f of samples.frame, which ascends; all must outlive
+  // the grower.
   TreeGrower(const TrainingOptions& options, int tree,
              std::vector<const features::PlanarImage*> images,
              const TreeSamples& samples);
 
-  void GrowTop();
-  size_t open_nodes() const { return open_.size(); }
-  size_t open_node_samples(size_t i) const {
-    return open_[i].end - open_[i].begin;
-  }
-  // Returns early, with a useless subtree, once `stop` is requested.
-  void GrowOpenNode(size_t i, const std::stop_token& stop);
-  GrownTree Assemble();
+  // False: the tree is grown.
+  bool BeginRound();
+  size_t chunks() const { return chunks_.size(); }
+  void Prepare(size_t chunk);
+  size_t frames() const { return images_.size(); }
+  void EvaluateFrame(size_t frame);
+  void SplitNodes(size_t chunk);
+
+  // In [0, total_work()]; a sample's way down is as long as the deepest may be.
+  int64_t finished_work() const { return finished_work_; }
+  int64_t total_work() const;
+
+  GrownTree Assemble() const;
 
  private:
-  struct Split {
+  using Block = features::PixelDifferenceBlock;
+
+  // Samples order_[begin, end). There are many of them.
+  struct Node {
+    uint64_t path = 1;  // 1, then a bit for each turn from the root
+    uint32_t begin = 0;
+    uint32_t end = 0;
+    // Of a split: where the right side's samples begin, and the left child's
+    // index in nodes_; the right child is the next one.
+    uint32_t middle = 0;
+    uint32_t left = 0;
     features::PixelDifference feature;
-    int threshold = 0;
+    int16_t threshold = 0;
+    int8_t depth = 0;
+    bool is_split = false;
+
+    size_t size() const { return end - begin; }
   };
-  // A node that waits to be split: samples order_[begin, end).
-  struct OpenNode {
+  // Nodes nodes_[begin, end).
+  struct Chunk {
     size_t begin = 0;
     size_t end = 0;
-    int depth = 0;
-    uint64_t path = 1;  // 1, then a bit for each turn from the root
-    GrownTree grown;
   };
-  struct TopNode {
-    bool is_split = false;
-    Split split;
-    size_t left = 0;   // index into top_
-    size_t right = 0;  // likewise
-    size_t open = 0;   // index into open_, if not a split
+  // Where a sample's features are to be evaluated: for the objective of its
+  // node, if it is among those that it is computed on.
+  struct Place {
+    static constexpr uint32_t kNone = UINT32_MAX;
+    uint32_t slot = kNone;  // of the round's values
+    uint32_t node = 0;      // of the round
   };
   struct Workspace;
 
-  bool IsLeaf(const OpenNode& node) const;
-  bool FindSplit(const OpenNode& node, Workspace& work, Split& split) const;
+  // Of a node's samples, those that objectives are computed on.
+  size_t Used(const Node& node) const;
+  uint32_t UsedSample(const Node& node, size_t i) const;
+  bool IsLeaf(const Node& node) const;
+  void DrawFeatures(const Node& node, size_t index_in_round);
+  // Among the node's features, the values of which are left in `work`; else
+  // candidates_.
+  size_t FindSplit(Node& node, size_t index_in_round, Workspace& work) const;
+  // Puts the values of the node's features one feature after the other.
+  void Transpose(size_t slot, size_t used, std::vector<int16_t>& values) const;
   void EvaluateFeature(const features::PixelDifference& feature,
                        std::span<const uint32_t> samples,
                        std::span<int16_t> values) const;
-  // Reorders order_[begin, end) stably; returns where the right side begins.
-  size_t Partition(const OpenNode& node, const Split& split, Workspace& work);
-  void Grow(const OpenNode& node, Workspace& work, const std::stop_token& stop,
-            GrownTree& grown);
-  // Appends a leaf with its modes.
-  void MakeLeaf(const OpenNode& node, GrownTree& grown) const;
+  // Reorders the node's samples stably, by what they are at its feature.
+  void Partition(Node& node, std::span<const int16_t> values, Workspace& work);
+  void AppendModes(const Node& node, std::vector<GrownLeaf>& leaves) const;
   GrownLeaf MakeMode(std::span<const uint32_t> samples) const;
-  void Emit(size_t top_index, GrownTree& tree);
+  void Emit(size_t node, GrownTree& tree) const;
 
   const TrainingOptions& options_;
   const int tree_;
   const std::vector<const features::PlanarImage*> images_;
   const TreeSamples& samples_;
+  const size_t candidates_;        // features tried at a node
+  const size_t blocks_;            // of features of a node
+  std::vector<size_t> frame_end_;  // samples of frame f end here
   std::vector<uint32_t> order_;
-  std::vector<TopNode> top_;
-  std::vector<OpenNode> open_;
+  std::vector<Place> place_;  // by sample
+  std::vector<Node> nodes_;   // the root, then level by level
+  int64_t finished_work_ = 0;
+
+  // Of the round: its nodes, and by node (index in the round) or slot.
+  Chunk round_;
+  std::vector<Chunk> chunks_;
+  std::vector<uint32_t> first_slot_;
+  std::vector<uint8_t> is_open_;             // whether a split is sought
+  std::vector<Block> features_;              // blocks_ a node
+  std::vector<uint16_t> threshold_samples_;  // candidates_ a node
+  std::vector<int16_t> values_;              // a block's a slot, blocks_ times
 };
 
 }  // namespace treeline::training
