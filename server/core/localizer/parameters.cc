@@ -45,6 +45,12 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMaxGuessedOffset),
           base::RowOf(kMinReducedSide_px),
           base::RowOf(kMaxFocalRounds),
+          base::RowOf(kSuspectDepthScale),
+          base::RowOf(kMinDepthScaleError),
+          base::RowOf(kMinDepthScaleSigmas),
+          base::RowOf(kMinScaleAgreement),
+          base::RowOf(kMaxKnownFocalSigma),
+          base::RowOf(kMaxDepthRounds),
           base::RowOf(kOtherTurnOdds)};
 }
 

@@ -316,6 +316,53 @@ inline constexpr base::Parameter<int> kMaxFocalRounds{
     .origin = base::ParameterOrigin::kTuned,
     .why = "with a better focal length more features fit, and say it better"};
 
+// Depth of another scale.
+inline constexpr base::Parameter<double> kSuspectDepthScale{
+    .name = "suspect_depth_scale",
+    .value = 0.005,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "if an aligned pose wants depth scaled by more, the scale is measured: "
+        "0.004 at most where it was right (420 views that were held out), "
+        "0.006 to 0.013 where it was 2 % off"};
+inline constexpr base::Parameter<double> kMinDepthScaleError{
+    .name = "min_depth_scale_error",
+    .value = 0.0125,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "a scale that is off by less is not corrected: right ones were 0.012 "
+        "off at most"};
+inline constexpr base::Parameter<double> kMinDepthScaleSigmas{
+    .name = "min_depth_scale_sigmas",
+    .value = 2.5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... nor one that may be right, by how well it is known"};
+inline constexpr base::Parameter<double> kMinScaleAgreement{
+    .name = "min_scale_agreement",
+    .value = 0.7,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "one scale must put this share of the measured points on the scene's "
+        "surfaces: 0.83 and more where the pose was right"};
+inline constexpr base::Parameter<double> kMaxKnownFocalSigma{
+    .name = "max_known_focal_sigma",
+    .value = 0.01,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "a focal length that may be a guess has to be known as well before "
+        "depth is doubted: errors of either look alike"};
+inline constexpr base::Parameter<int> kMaxDepthRounds{
+    .name = "max_depth_rounds",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a pose that is nearer says the scale better"};
+
 // Turned pictures.
 inline constexpr base::Parameter<double> kOtherTurnOdds{
     .name = "other_turn_odds",

@@ -33,6 +33,7 @@ class Search {
   bool Verify(size_t i) {
     if (!candidates_[i].pose) return false;
     Verdict verdict = verifier_.Verify(query_, candidates_[i]);
+    last_ = verdict;
     if (verdict.is_believed() &&
         !query_.options().priors.Allows(verdict.world_from_camera)) {
       verdict.reason = NotLocalizedReason::kContradictsPrior;
@@ -58,6 +59,28 @@ class Search {
     return verdict_ && verdict_->confidence >= sufficient_confidence &&
            verdict_->reason != NotLocalizedReason::kContradictsPrior;
   }
+  // What depth has to be taken times, by the pose that was verified last. It is
+  // looked at where depth speaks against it, or it is not sure for any reason.
+  std::optional<double> OtherDepthScale(double sufficient_confidence) const {
+    if (!last_ || !last_->depth_scale) return std::nullopt;
+    const bool is_sure = last_->is_believed() &&
+                         last_->confidence >= sufficient_confidence;
+    if (is_sure && std::abs(std::log(last_->depth_scale->scale)) <
+                       kSuspectDepthScale) {
+      return std::nullopt;
+    }
+    const std::optional<keyframes::DepthScale> measured =
+        verifier_.MeasureDepth(query_, last_->world_from_camera);
+    if (!measured || measured->agreement < kMinScaleAgreement) {
+      return std::nullopt;
+    }
+    const double error = std::abs(std::log(measured->scale));
+    if (error < kMinDepthScaleError ||
+        error < kMinDepthScaleSigmas * measured->sigma) {
+      return std::nullopt;
+    }
+    return measured->scale;
+  }
   // Of the pose that most matched features support.
   std::optional<pose::FocalEstimate> Focal() const {
     const Candidate* most = nullptr;
@@ -71,7 +94,12 @@ class Search {
   Selection Take() && {
     const std::optional<pose::FocalEstimate> focal = Focal();
     if (!verdict_) best_ = MostTelling();
-    return {std::move(candidates_[best_]), verdict_, focal};
+    return {std::move(candidates_[best_]), verdict_, focal, std::nullopt};
+  }
+  Selection TakeScaled(double depth_scale) && {
+    Selection selection = std::move(*this).Take();
+    selection.depth_scale = depth_scale;
+    return selection;
   }
 
  private:
@@ -88,19 +116,29 @@ class Search {
   std::vector<Candidate> candidates_;
   size_t best_ = 0;
   std::optional<Verdict> verdict_;
+  std::optional<Verdict> last_;
 };
 
-// The focal length that the selected pose's features speak for, in stated ones;
-// nullopt: it may well be the stated one.
-std::optional<double> OtherFocal(const Selection& selection, bool is_doubtful) {
-  if (!selection.verdict || !selection.focal) return std::nullopt;
-  const double error = std::abs(std::log(selection.focal->scale));
+// The focal length that matched features speak for, in stated ones; nullopt: it
+// may well be the stated one.
+std::optional<double> OtherFocal(
+    const std::optional<pose::FocalEstimate>& focal, bool is_doubtful) {
+  if (!focal) return std::nullopt;
+  const double error = std::abs(std::log(focal->scale));
   const double min_sigmas =
       is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
-  if (error < kMinFocalError || error < min_sigmas * selection.focal->sigma) {
+  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
     return std::nullopt;
   }
-  return selection.focal->scale;
+  return focal->scale;
+}
+
+// With a focal length that is wrong, depth that is right would seem to be wrong.
+bool IsFocalKnown(const Query& query,
+                  const std::optional<pose::FocalEstimate>& focal) {
+  if (OtherFocal(focal, query.is_focal_doubtful())) return false;
+  return !query.is_focal_doubtful() ||
+         (focal && focal->sigma <= kMaxKnownFocalSigma);
 }
 
 // With the colour camera's focal length times `scale`; depth that is registered
@@ -114,25 +152,64 @@ absl::StatusOr<camera::RgbdCalibration> WithFocal(
   return calibration;
 }
 
-// Asks again with the focal length that the features speak for, as long as that
-// gives a better answer. `focal_scale` becomes the selection's.
-absl::StatusOr<Selection> SelectWithAnyFocal(const Method& method, Query& query,
-                                             double& focal_scale) {
-  TL_ASSIGN_OR_RETURN(Selection best, SelectCandidate(method, query));
+bool IsBelieved(const Selection& selection) {
+  return selection.verdict && selection.verdict->is_believed();
+}
+
+// Asks again with the scale of depth that the search speaks for, as long as it
+// speaks for another one. `depth_scale` is multiplied with the selection's; if
+// what is found with depth as it should be is not believed, depth stays as it
+// is stated.
+absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
+                                             double& depth_scale) {
   const camera::RgbdCalibration stated = query.calibration();
+  double scale = 1;
+  for (int round = 0;; ++round) {
+    if (round == kMaxDepthRounds) query.set_depth_scale_open(false);
+    TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method, query));
+    if (!selection.depth_scale && (scale == 1 || IsBelieved(selection))) {
+      depth_scale *= scale;
+      return selection;
+    }
+    if (!selection.depth_scale) query.set_depth_scale_open(false);
+    scale = selection.depth_scale ? scale * *selection.depth_scale : 1;
+    camera::RgbdCalibration corrected = stated;
+    corrected.depth_scale *= scale;
+    query.set_calibration(std::move(corrected));
+  }
+}
+
+// Times what the frame states.
+struct Corrections {
+  double focal_scale = 1;
+  double depth_scale = 1;
+};
+
+// Asks again with the focal length that the features speak for, as long as that
+// gives a better answer. `corrections` become the selection's.
+absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
+                                                   Query& query,
+                                                   Corrections& corrections) {
+  TL_ASSIGN_OR_RETURN(
+      Selection best,
+      SelectWithAnyDepth(method, query, corrections.depth_scale));
   for (int round = 0; round < kMaxFocalRounds; ++round) {
     const std::optional<double> other =
-        OtherFocal(best, query.is_focal_doubtful());
-    if (!other) break;
+        OtherFocal(best.focal, query.is_focal_doubtful());
+    if (!best.verdict || !other) break;
+    Corrections tried = corrections;
+    tried.focal_scale *= *other;
     TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
-                        WithFocal(stated, focal_scale * *other));
+                        WithFocal(query.calibration(), *other));
     query.set_calibration(std::move(corrected));
-    TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method, query));
+    TL_ASSIGN_OR_RETURN(
+        Selection selection,
+        SelectWithAnyDepth(method, query, tried.depth_scale));
     if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
       break;
     }
     best = std::move(selection);
-    focal_scale *= *other;
+    corrections = tried;
   }
   return best;
 }
@@ -158,6 +235,12 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
       continue;
     }
     if (has_pose) needs_fallback = false;
+    if (has_pose && query.is_depth_scale_open() &&
+        IsFocalKnown(query, search.Focal())) {
+      const std::optional<double> depth_scale =
+          search.OtherDepthScale(method.sufficient_confidence);
+      if (depth_scale) return std::move(search).TakeScaled(*depth_scale);
+    }
     if (is_satisfied) break;
   }
   if (needs_fallback) search.VerifyAll();
@@ -181,13 +264,16 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   const camera::Camera& learnt = info().calibration.color;
   if (MayBeGuessed(calibration.color, learnt)) query.set_focal_doubtful();
   query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
-  double focal_scale = 1;
+  query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
+                             query.depth() != nullptr);
+  Corrections corrections;
   TL_ASSIGN_OR_RETURN(Selection selection,
-                      SelectWithAnyFocal(method_, query, focal_scale));
+                      SelectWithAnyCalibration(method_, query, corrections));
   PoseEstimate estimate =
       Report(std::move(selection.candidate),
              selection.verdict ? &*selection.verdict : nullptr);
-  estimate.focal_scale = focal_scale;
+  estimate.focal_scale = corrections.focal_scale;
+  estimate.depth_scale = corrections.depth_scale;
   estimate.timings = query.timings();
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;

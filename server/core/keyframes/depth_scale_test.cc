@@ -1,0 +1,1 @@
+#include "server/core/keyframes/depth_scale.h"
