@@ -203,6 +203,36 @@ TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
   EXPECT_GE(right, 8);
 }
 
+TEST_F(SceneTrainerTest, UniversalCorrectsDepthThatIsOffByOneFactor) {
+  ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
+  const auto localizer = localizer::OpenLocalizer(Path("universal"));
+  ASSERT_TRUE(localizer.ok());
+  for (const double factor : {0.94, 1.05}) {
+    int right = 0;
+    for (int i = 0; i < 12; ++i) {
+      const geometry::Rigid3 truth = HeldOutPose(7 * i);
+      image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
+      for (uint16_t& depth : frame.depth->values) {
+        depth = static_cast<uint16_t>(std::lround(factor * depth));
+      }
+      const auto estimate = (*localizer)->Localize(frame, {});
+      ASSERT_TRUE(estimate.ok()) << estimate.status();
+      if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+      const geometry::PoseError error =
+          geometry::ErrorBetween(estimate->world_from_camera, truth);
+      EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
+      right += error.translation_m < 0.05 &&
+               std::abs(estimate->depth_scale * factor - 1) < 0.02;
+    }
+    EXPECT_GE(right, 9) << factor;
+  }
+  const image::Frame frame =
+      training::RenderBoxRoom(Calibration(), HeldOutPose(0));
+  const auto estimate = (*localizer)->Localize(frame, {});
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  EXPECT_EQ(estimate->depth_scale, 1);
+}
+
 TEST_F(SceneTrainerTest, UniversalRefusesAPhotographOfTheScene) {
   ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
   const auto localizer = localizer::OpenLocalizer(Path("universal"));

@@ -46,6 +46,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMinReducedSide_px),
           base::RowOf(kMaxFocalRounds),
           base::RowOf(kSuspectDepthScale),
+          base::RowOf(kSureDepthAgreement),
+          base::RowOf(kSureAgreement),
           base::RowOf(kMinDepthScaleError),
           base::RowOf(kMinDepthScaleSigmas),
           base::RowOf(kMinScaleAgreement),

@@ -326,9 +326,25 @@ inline constexpr base::Parameter<double> kSuspectDepthScale{
         "if an aligned pose wants depth scaled by more, the scale is measured: "
         "0.004 at most where it was right (420 views that were held out), "
         "0.006 to 0.013 where it was 2 % off"};
+inline constexpr base::Parameter<double> kSureDepthAgreement{
+    .name = "sure_depth_agreement",
+    .value = 0.94,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... or if less of its depth agrees: 0.94 and more in 418 of the 420, "
+        "0.77 to 0.91 where a wrong pose explained depth that was 7 % off"};
+inline constexpr base::Parameter<double> kSureAgreement{
+    .name = "sure_agreement",
+    .value = 0.68,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and less of its brightness: 0.59 to 0.67 there; of a noisy "
+        "sensor only depth disagrees"};
 inline constexpr base::Parameter<double> kMinDepthScaleError{
     .name = "min_depth_scale_error",
-    .value = 0.0125,
+    .value = 0.0075,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why =
@@ -336,7 +352,7 @@ inline constexpr base::Parameter<double> kMinDepthScaleError{
         "off at most"};
 inline constexpr base::Parameter<double> kMinDepthScaleSigmas{
     .name = "min_depth_scale_sigmas",
-    .value = 2.5,
+    .value = 1.5,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "... nor one that may be right, by how well it is known"};

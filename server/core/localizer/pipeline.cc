@@ -59,27 +59,30 @@ class Search {
     return verdict_ && verdict_->confidence >= sufficient_confidence &&
            verdict_->reason != NotLocalizedReason::kContradictsPrior;
   }
-  // What depth has to be taken times, by the pose that was verified last. It is
-  // looked at where depth speaks against it, or it is not sure for any reason.
-  std::optional<double> OtherDepthScale(double sufficient_confidence) const {
-    if (!last_ || !last_->depth_scale) return std::nullopt;
-    const bool is_sure = last_->is_believed() &&
-                         last_->confidence >= sufficient_confidence;
-    if (is_sure && std::abs(std::log(last_->depth_scale->scale)) <
-                       kSuspectDepthScale) {
-      return std::nullopt;
-    }
+  // Whether the pose that was verified last, however sure, is one that depth of
+  // another scale could have led astray.
+  bool SuspectsDepth() const {
+    return last_ && last_->depth_scale &&
+           (std::abs(std::log(last_->depth_scale->scale)) >=
+                kSuspectDepthScale ||
+            (last_->evidence.depth_agreement < kSureDepthAgreement &&
+             last_->evidence.agreement < kSureAgreement));
+  }
+  bool LastIsMatched() const { return candidates_.back().is_matched; }
+  // What depth has to be taken times, by the last candidate's pose; 1: it may
+  // well be right. nullopt: nothing explains it.
+  std::optional<double> DepthScale() const {
     const std::optional<keyframes::DepthScale> measured =
-        verifier_.MeasureDepth(query_, last_->world_from_camera);
+        verifier_.MeasureDepth(query_,
+                               candidates_.back().pose->world_from_camera);
     if (!measured || measured->agreement < kMinScaleAgreement) {
       return std::nullopt;
     }
     const double error = std::abs(std::log(measured->scale));
-    if (error < kMinDepthScaleError ||
-        error < kMinDepthScaleSigmas * measured->sigma) {
-      return std::nullopt;
-    }
-    return measured->scale;
+    return error < kMinDepthScaleError ||
+                   error < kMinDepthScaleSigmas * measured->sigma
+               ? 1
+               : measured->scale;
   }
   // Of the pose that most matched features support.
   std::optional<pose::FocalEstimate> Focal() const {
@@ -136,9 +139,9 @@ std::optional<double> OtherFocal(
 // With a focal length that is wrong, depth that is right would seem to be wrong.
 bool IsFocalKnown(const Query& query,
                   const std::optional<pose::FocalEstimate>& focal) {
-  if (OtherFocal(focal, query.is_focal_doubtful())) return false;
-  return !query.is_focal_doubtful() ||
-         (focal && focal->sigma <= kMaxKnownFocalSigma);
+  if (!query.is_focal_doubtful()) return true;
+  return focal && focal->sigma <= kMaxKnownFocalSigma &&
+         !OtherFocal(focal, /*is_doubtful=*/true);
 }
 
 // With the colour camera's focal length times `scale`; depth that is registered
@@ -152,14 +155,15 @@ absl::StatusOr<camera::RgbdCalibration> WithFocal(
   return calibration;
 }
 
-bool IsBelieved(const Selection& selection) {
-  return selection.verdict && selection.verdict->is_believed();
+bool IsSure(const Selection& selection, const Method& method) {
+  return selection.verdict && selection.verdict->is_believed() &&
+         selection.verdict->confidence >= method.sufficient_confidence;
 }
 
 // Asks again with the scale of depth that the search speaks for, as long as it
-// speaks for another one. `depth_scale` is multiplied with the selection's; if
-// what is found with depth as it should be is not believed, depth stays as it
-// is stated.
+// speaks for another one. `depth_scale` is multiplied with the selection's. A
+// scale is one more way to explain what is not of the scene: if what is found
+// with it is not sure, depth stays as it is stated.
 absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
                                              double& depth_scale) {
   const camera::RgbdCalibration stated = query.calibration();
@@ -167,7 +171,7 @@ absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
   for (int round = 0;; ++round) {
     if (round == kMaxDepthRounds) query.set_depth_scale_open(false);
     TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method, query));
-    if (!selection.depth_scale && (scale == 1 || IsBelieved(selection))) {
+    if (!selection.depth_scale && (scale == 1 || IsSure(selection, method))) {
       depth_scale *= scale;
       return selection;
     }
@@ -224,8 +228,16 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
     TL_RETURN_IF_ERROR(search.Ask(*step.generator));
     if (step.is_fallback) continue;
     const bool has_pose = search.VerifyLast();
+    bool doubts_depth = has_pose && query.is_depth_scale_open() &&
+                        search.SuspectsDepth();
+    if (doubts_depth && search.LastIsMatched() &&
+        IsFocalKnown(query, search.Focal())) {
+      const std::optional<double> scale = search.DepthScale();
+      if (scale && *scale != 1) return std::move(search).TakeScaled(*scale);
+      doubts_depth = !scale;
+    }
     const bool is_satisfied =
-        search.IsSatisfied(method.sufficient_confidence) &&
+        search.IsSatisfied(method.sufficient_confidence) && !doubts_depth &&
         (!query.is_focal_doubtful() || search.Focal().has_value());
     if (step.is_shortcut) {
       if (is_satisfied && search.LastIsBelieved()) {
@@ -235,12 +247,6 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
       continue;
     }
     if (has_pose) needs_fallback = false;
-    if (has_pose && query.is_depth_scale_open() &&
-        IsFocalKnown(query, search.Focal())) {
-      const std::optional<double> depth_scale =
-          search.OtherDepthScale(method.sufficient_confidence);
-      if (depth_scale) return std::move(search).TakeScaled(*depth_scale);
-    }
     if (is_satisfied) break;
   }
   if (needs_fallback) search.VerifyAll();
