@@ -3,8 +3,8 @@
 //
 // Colour, depth and calibration change together, so that what a frame says of
 // itself stays true (but for WrongFocalLength, DepthScaled, DepthOffset and
-// DepthNoise, whose point is that it does not). A draw depends on `random` alone. Sizes in
-// pixels are of the picture as it comes.
+// DepthNoise, whose point is that it does not). A draw depends on `random`
+// alone. Sizes in pixels are of the picture as it comes.
 #ifndef EVALUATION_ACCURACY_PERTURBATION_EFFECTS_H_
 #define EVALUATION_ACCURACY_PERTURBATION_EFFECTS_H_
 

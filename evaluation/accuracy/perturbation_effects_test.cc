@@ -347,9 +347,8 @@ TEST_F(PerturbationEffects, OfDepthHaveTheirStrength) {
 }
 
 TEST_F(PerturbationEffects, OfDepthDoNothingWithoutIt) {
-  for (const auto effect :
-       {DepthHoles, DepthNoise, DepthScaled, DepthOffset, NoDepth, Cover,
-        Mirror}) {
+  for (const auto effect : {DepthHoles, DepthNoise, DepthScaled, DepthOffset,
+                            NoDepth, Cover, Mirror}) {
     PerturbedFrame view = View();
     view.frame.depth.reset();
     base::Random draws = random();

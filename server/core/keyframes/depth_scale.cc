@@ -46,9 +46,9 @@ std::vector<Surface> SurfacesIn(const SurfacePoints& points,
           kMinScaleFacing * geometry::Norm(surface.measured))) {
       continue;
     }
-    surface.point = rotate(points.x[i] - view.position[0],
-                           points.y[i] - view.position[1],
-                           points.z[i] - view.position[2]);
+    surface.point =
+        rotate(points.x[i] - view.position[0], points.y[i] - view.position[1],
+               points.z[i] - view.position[2]);
     surface.variance = points.variance[i];
     surfaces.push_back(surface);
   }

@@ -72,8 +72,7 @@ TEST_F(DepthScaleTest, IsFoundBesideTheErrorOfThePose) {
 // Noise of 1 cm of 300 points leaves 1 cm / (2 m sqrt(300)); errors that go
 // together make that 8 times as much.
 TEST_F(DepthScaleTest, IsAsSureAsPoseAndPointsAllow) {
-  const auto known =
-      EstimateDepthScale(Corner(1.05), View(), Knows(0.001));
+  const auto known = EstimateDepthScale(Corner(1.05), View(), Knows(0.001));
   const auto vague = EstimateDepthScale(Corner(1.05), View(), Knows(0.1));
   ASSERT_TRUE(known && vague);
   EXPECT_NEAR(known->sigma, 0.0023, 0.001);
@@ -90,7 +89,9 @@ TEST_F(DepthScaleTest, WhatIsMeasuredElsewhereAgreesWithNoScale) {
     points.measured_z[i] *= by;
   }
   const auto estimate = EstimateDepthScale(points, View(), Knows(0.01));
-  if (estimate) EXPECT_LT(estimate->agreement, 0.3);
+  if (estimate) {
+    EXPECT_LT(estimate->agreement, 0.3);
+  }
 }
 
 TEST_F(DepthScaleTest, AThirdThatIsHiddenDoesNotMoveIt) {

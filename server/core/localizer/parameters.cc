@@ -31,6 +31,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSiftRobustScale_px),
           base::RowOf(kSiftInlier_px),
           base::RowOf(kSufficientConfidence),
+          base::RowOf(kSufficientSigma_m),
+          base::RowOf(kSufficientMatches),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
           base::RowOf(kMaxAlignedKeyframes),

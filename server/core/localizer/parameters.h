@@ -196,6 +196,24 @@ inline constexpr base::Parameter<double> kSufficientConfidence{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "a pose as sure as this needs no dearer generator"};
+inline constexpr base::Parameter<double> kSufficientSigma_m{
+    .name = "sufficient_sigma",
+    .value = 0.0075,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... if it is as well determined; 6.6 mm at most of whole pictures "
+        "with "
+        "depth, 10 to 23 of narrow ones that were wrong"};
+inline constexpr base::Parameter<int> kSufficientMatches{
+    .name = "sufficient_matches",
+    .value = 25,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and, of features, supported by so many: of those with fewer 3 of "
+        "37 were wrong, 2 grossly. As many may doubt a focal length that is "
+        "no guess"};
 inline constexpr base::Parameter<int> kMinAnswerInliers{
     .name = "min_answer_inliers",
     .value = 15,

@@ -56,8 +56,14 @@ class Search {
            verdict_->is_believed();
   }
   bool IsSatisfied(double sufficient_confidence) const {
-    return verdict_ && verdict_->confidence >= sufficient_confidence &&
-           verdict_->reason != NotLocalizedReason::kContradictsPrior;
+    if (!verdict_ || verdict_->confidence < sufficient_confidence ||
+        verdict_->reason == NotLocalizedReason::kContradictsPrior) {
+      return false;
+    }
+    const forest::PoseEvidence& evidence = verdict_->evidence;
+    return sufficient_confidence == 0 ||
+           (evidence.sigma_m <= kSufficientSigma_m &&
+            (evidence.matches == 0 || evidence.matches >= kSufficientMatches));
   }
   // Whether the pose that was verified last, however sure, is one that depth of
   // another scale could have led astray.
@@ -84,7 +90,8 @@ class Search {
                ? 1
                : measured->scale;
   }
-  // Of the pose that most matched features support.
+  // Of the pose that most matched features support. Few of them are no reason
+  // to doubt a focal length that is no guess.
   std::optional<pose::FocalEstimate> Focal() const {
     const Candidate* most = nullptr;
     for (const Candidate& candidate : candidates_) {
@@ -92,7 +99,11 @@ class Search {
       if (most && candidate.pose->inliers <= most->pose->inliers) continue;
       most = &candidate;
     }
-    return most ? most->focal : std::nullopt;
+    if (!most || (!query_.is_focal_doubtful() &&
+                  most->pose->inliers < kSufficientMatches)) {
+      return std::nullopt;
+    }
+    return most->focal;
   }
   Selection Take() && {
     const std::optional<pose::FocalEstimate> focal = Focal();
@@ -136,7 +147,8 @@ std::optional<double> OtherFocal(
   return focal->scale;
 }
 
-// With a focal length that is wrong, depth that is right would seem to be wrong.
+// With a focal length that is wrong, depth that is right would seem to be
+// wrong.
 bool IsFocalKnown(const Query& query,
                   const std::optional<pose::FocalEstimate>& focal) {
   if (!query.is_focal_doubtful()) return true;
@@ -206,9 +218,8 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
     TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
                         WithFocal(query.calibration(), *other));
     query.set_calibration(std::move(corrected));
-    TL_ASSIGN_OR_RETURN(
-        Selection selection,
-        SelectWithAnyDepth(method, query, tried.depth_scale));
+    TL_ASSIGN_OR_RETURN(Selection selection,
+                        SelectWithAnyDepth(method, query, tried.depth_scale));
     if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
       break;
     }
@@ -228,8 +239,8 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
     TL_RETURN_IF_ERROR(search.Ask(*step.generator));
     if (step.is_fallback) continue;
     const bool has_pose = search.VerifyLast();
-    bool doubts_depth = has_pose && query.is_depth_scale_open() &&
-                        search.SuspectsDepth();
+    bool doubts_depth =
+        has_pose && query.is_depth_scale_open() && search.SuspectsDepth();
     if (doubts_depth && search.LastIsMatched() &&
         IsFocalKnown(query, search.Focal())) {
       const std::optional<double> scale = search.DepthScale();

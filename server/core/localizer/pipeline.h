@@ -56,9 +56,9 @@ struct Selection {
 // A pose that contradicts the query's priors is not believed, and does not end
 // the search. Without a pose, the first candidate that had enough to look at
 // says why. Where the query's focal length is doubtful, no pose ends the search
-// before features have told of it. Where the scale of depth is open and another one
-// is found, the search ends there. Errors of the generators; CANCELLED after
-// the query's stop.
+// before features have told of it. Where the scale of depth is open and another
+// one is found, the search ends there. Errors of the generators; CANCELLED
+// after the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
 
 // A model with the method that reads it.
