@@ -127,6 +127,7 @@ std::string AnswerJson(
   json["samples"] = answer->samples;
   json["inlier_ratio"] = answer->inlier_ratio;
   json["focal_scale"] = answer->focal_scale;
+  json["depth_scale"] = answer->depth_scale;
   json["confidence"] = answer->confidence;
   json["confidence_threshold"] = answer->confidence_threshold;
   json["round_trip_ms"] = answer->round_trip_ms;
@@ -169,6 +170,11 @@ std::string AnswerText(const relocalizer::LocalizeAnswer& answer) {
     absl::StrAppendFormat(&text,
                           "  focal length     %.3f times the stated one\n",
                           answer.focal_scale);
+  }
+  if (answer.depth_scale != 1) {
+    absl::StrAppendFormat(&text,
+                          "  depth            %.3f times what was sent\n",
+                          answer.depth_scale);
   }
   for (const relocalizer::SceneCandidate& candidate : answer.candidates) {
     absl::StrAppendFormat(&text, "  candidate        %s: similarity %.3f",

@@ -30,6 +30,7 @@ v1::LocalizeResponse Localized() {
   response.set_samples(500);
   response.set_inlier_ratio(0.642);
   response.set_focal_scale(0.955);
+  response.set_depth_scale(1.035);
   v1::Correspondence& inlier = *response.add_correspondences();
   inlier.mutable_color_pixel()->set_x_px(12.5);
   inlier.mutable_color_pixel()->set_y_px(3);
@@ -70,6 +71,7 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   EXPECT_EQ(answer->samples, 500);
   EXPECT_EQ(answer->inlier_ratio, 0.642);
   EXPECT_EQ(answer->focal_scale, 0.955);
+  EXPECT_EQ(answer->depth_scale, 1.035);
   ASSERT_EQ(answer->inlier_pixels.size(), 1U);
   EXPECT_EQ(answer->inlier_pixels[0].x, 12.5);
   EXPECT_EQ(answer->inlier_pixels[0].y, 3);

@@ -86,6 +86,9 @@ struct LocalizeAnswer {
   // The pose is of a camera whose focal length is so many times the stated one,
   // since that fits better; 1: the stated one fits.
   double focal_scale = 1;
+  // The pose is that of depth that is so many times as large as what was sent,
+  // since that fits better; 1: it fits as it is.
+  double depth_scale = 1;
   // If asked for: the inliers' pixels in the colour image (x right, y down; as
   // the server says, unchecked).
   std::vector<geometry::Vec2> inlier_pixels;

@@ -60,7 +60,7 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["outcome"] = "ERROR";
     json["reason"] = Text(result.status.message());
     for (const char* key : {"inliers", "samples", "inlier_ratio", "confidence",
-                            "focal_scale", "evidence"}) {
+                            "focal_scale", "depth_scale", "evidence"}) {
       json[key] = nullptr;
     }
   } else {
@@ -73,6 +73,7 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["inlier_ratio"] = Number(estimate.inlier_ratio);
     json["confidence"] = Number(estimate.confidence);
     json["focal_scale"] = Number(estimate.focal_scale);
+    json["depth_scale"] = Number(estimate.depth_scale);
     const forest::PoseEvidence& evidence = estimate.evidence;
     json["evidence"] = {{"inlier_ratio", Number(evidence.inlier_ratio)},
                         {"correlation", Number(evidence.correlation)},

@@ -192,6 +192,13 @@ const std::vector<PerturbationKind>& PerturbationKinds() {
        "depth times s",
        false,
        DepthScaled},
+      {"depth-offset",
+       {0.01, 0.03},
+       -1,
+       1,
+       "s m further away",
+       false,
+       DepthOffset},
       {"no-depth", {}, 0, 0, "colour alone", false, NoDepth}};
   return kinds;
 }

@@ -415,6 +415,14 @@ absl::Status DepthScaled(double factor, base::Random& /*random*/,
   return absl::OkStatus();
 }
 
+absl::Status DepthOffset(double offset_m, base::Random& /*random*/,
+                         PerturbedFrame& view) {
+  if (!view.frame.depth) return absl::OkStatus();
+  const double units = offset_m / view.frame.depth->unit_m;
+  MapDepth(view.frame, [&](double value) { return value + units; });
+  return absl::OkStatus();
+}
+
 absl::Status NoDepth(double /*unused*/, base::Random& /*random*/,
                      PerturbedFrame& view) {
   view.frame.depth.reset();

@@ -2,9 +2,9 @@
 // small function a change of the picture, its depth or its calibration.
 //
 // Colour, depth and calibration change together, so that what a frame says of
-// itself stays true (but for WrongFocalLength, DepthScaled and DepthNoise,
-// whose point is that it does not). A draw depends on `random` alone. Sizes in
-// pixels are of the picture as it comes.
+// itself stays true (but for WrongFocalLength, DepthScaled, DepthOffset and
+// DepthNoise, whose point is that it does not). A draw depends on `random`
+// alone. Sizes in pixels are of the picture as it comes.
 #ifndef EVALUATION_ACCURACY_PERTURBATION_EFFECTS_H_
 #define EVALUATION_ACCURACY_PERTURBATION_EFFECTS_H_
 
@@ -84,6 +84,9 @@ absl::Status DepthHoles(double share, base::Random& random,
 absl::Status DepthNoise(double sigma, base::Random& random,
                         PerturbedFrame& view);
 absl::Status DepthScaled(double factor, base::Random& random,
+                         PerturbedFrame& view);
+// All that is measured is further away by this (m).
+absl::Status DepthOffset(double offset_m, base::Random& random,
                          PerturbedFrame& view);
 absl::Status NoDepth(double unused, base::Random& random, PerturbedFrame& view);
 

@@ -306,7 +306,7 @@ TEST_F(PerturbationEffects, OfDepthLeaveColourAndWhatWasNotMeasured) {
   view.frame.depth->values[1] = 65535;
   const PerturbedFrame before = view;
   base::Random draws = random();
-  for (const auto effect : {DepthHoles, DepthNoise, DepthScaled}) {
+  for (const auto effect : {DepthHoles, DepthNoise, DepthScaled, DepthOffset}) {
     PerturbedFrame changed = before;
     ASSERT_TRUE(effect(0.5, draws, changed).ok());
     EXPECT_EQ(changed.frame.color.rgb, before.frame.color.rgb);
@@ -341,11 +341,14 @@ TEST_F(PerturbationEffects, OfDepthHaveTheirStrength) {
   PerturbedFrame scaled = flat();
   ASSERT_TRUE(DepthScaled(1.02, draws, scaled).ok());
   EXPECT_THAT(scaled.frame.depth->values, Each(2040));
+  PerturbedFrame further = flat();
+  ASSERT_TRUE(DepthOffset(0.03, draws, further).ok());
+  EXPECT_THAT(further.frame.depth->values, Each(2030));
 }
 
 TEST_F(PerturbationEffects, OfDepthDoNothingWithoutIt) {
-  for (const auto effect :
-       {DepthHoles, DepthNoise, DepthScaled, NoDepth, Cover, Mirror}) {
+  for (const auto effect : {DepthHoles, DepthNoise, DepthScaled, DepthOffset,
+                            NoDepth, Cover, Mirror}) {
     PerturbedFrame view = View();
     view.frame.depth.reset();
     base::Random draws = random();

@@ -84,6 +84,7 @@ v1::LocalizeResponse ToProto(const localizer::PoseEstimate& estimate,
   proto.set_samples(estimate.samples);
   proto.set_inlier_ratio(estimate.inlier_ratio);
   if (estimate.focal_scale != 1) proto.set_focal_scale(estimate.focal_scale);
+  if (estimate.depth_scale != 1) proto.set_depth_scale(estimate.depth_scale);
   proto.set_confidence(estimate.confidence);
   for (const localizer::Correspondence& sample : estimate.correspondences) {
     *proto.add_correspondences() = CorrespondenceToProto(sample);

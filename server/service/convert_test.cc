@@ -28,6 +28,7 @@ TEST(Convert, ALocalizedEstimateArrivesBitForBit) {
   EXPECT_EQ(proto.samples(), 500);
   EXPECT_EQ(proto.inlier_ratio(), 432.0 / 500);
   EXPECT_FALSE(proto.has_focal_scale());
+  EXPECT_FALSE(proto.has_depth_scale());
 }
 
 TEST(Convert, WhatIsNotLocalizedHasNoPose) {
@@ -49,6 +50,12 @@ TEST(Convert, AFocalLengthThatDoesNotFitIsSaid) {
   localizer::PoseEstimate estimate = LocalizedEstimate();
   estimate.focal_scale = 0.95;
   EXPECT_EQ(ToProto(estimate, camera::RgbdSensor::kColor).focal_scale(), 0.95);
+}
+
+TEST(Convert, DepthThatDoesNotFitIsSaid) {
+  localizer::PoseEstimate estimate = LocalizedEstimate();
+  estimate.depth_scale = 1.04;
+  EXPECT_EQ(ToProto(estimate, camera::RgbdSensor::kColor).depth_scale(), 1.04);
 }
 
 TEST(Convert, EachReasonHasItsOwnNumber) {

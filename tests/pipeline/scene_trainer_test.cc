@@ -76,6 +76,35 @@ class SceneTrainerTest : public testing::Test {
   static geometry::Rigid3 HeldOutPose(int i) {
     return training::BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
   }
+
+  // Depth that is off by one factor is corrected, and that which is right is
+  // not.
+  static void ExpectCorrectsDepth(const localizer::Localizer& localizer) {
+    for (const double factor : {0.94, 1.05}) {
+      int right = 0;
+      for (int i = 0; i < 12; ++i) {
+        const geometry::Rigid3 truth = HeldOutPose(7 * i);
+        image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
+        for (uint16_t& depth : frame.depth->values) {
+          depth = static_cast<uint16_t>(std::lround(factor * depth));
+        }
+        const auto estimate = localizer.Localize(frame, {});
+        ASSERT_TRUE(estimate.ok()) << estimate.status();
+        if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+        const geometry::PoseError error =
+            geometry::ErrorBetween(estimate->world_from_camera, truth);
+        EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
+        right += error.translation_m < 0.05 &&
+                 std::abs(estimate->depth_scale * factor - 1) < 0.02;
+      }
+      EXPECT_GE(right, 9) << factor;
+    }
+    const image::Frame frame =
+        training::RenderBoxRoom(Calibration(), HeldOutPose(0));
+    const auto estimate = localizer.Localize(frame, {});
+    ASSERT_TRUE(estimate.ok()) << estimate.status();
+    EXPECT_EQ(estimate->depth_scale, 1);
+  }
   // Of 16 views spread over the room, those placed within 5 cm and 5 degrees.
   static int CountRight(const localizer::Localizer& localizer,
                         bool with_depth) {
@@ -121,6 +150,7 @@ TEST_F(SceneTrainerTest, UniversalAnswersWithDepthAndWithout) {
   EXPECT_EQ((*localizer)->depth_use(), localizer::DepthUse::kWhereGiven);
   EXPECT_GE(CountRight(**localizer, true), 14);
   EXPECT_GE(CountRight(**localizer, false), 14);
+  ExpectCorrectsDepth(**localizer);
 }
 
 TEST_F(SceneTrainerTest, UniversalAnswersInAnotherLight) {

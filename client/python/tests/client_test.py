@@ -61,6 +61,7 @@ class Answers(WithServer):
         self.assertEqual((answer.confidence, answer.confidence_threshold),
                          (0.97, 0.9))
         self.assertEqual(answer.focal_scale, 0.955)
+        self.assertEqual(answer.depth_scale, 1.035)
         self.assertEqual((answer.scene, answer.model_version), ("kitchen", "7"))
         self.assertEqual(answer.timings,
                          treeline.Timings(1, 2, 3, 4, 5, 6, 7))

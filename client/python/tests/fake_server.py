@@ -52,6 +52,7 @@ def localized():
         pose_sensor=2, inliers=321, samples=500, inlier_ratio=0.642,
         scene="kitchen", model_version="7", confidence=0.97,
         confidence_threshold=0.9, focal_scale=0.955,
+        depth_scale=1.035,
         timings=v1.Timings(queue_ms=1, decode_ms=2, sample_ms=3, forest_ms=4,
                            pose_ms=5, localize_ms=6, total_ms=7))
     rotation = response.world_from_camera.rotation

@@ -103,6 +103,7 @@ class RealServerTest(unittest.TestCase):
                              (theirs["confidence"],
                               theirs["confidence_threshold"]))
             self.assertEqual(ours.focal_scale, theirs["focal_scale"])
+            self.assertEqual(ours.depth_scale, theirs["depth_scale"])
             self.assertEqual((ours.scene, ours.model_version),
                              (theirs["scene"], theirs["version"]))
             if not ours:

@@ -92,6 +92,9 @@ class Answer:
     # The pose is of a camera whose focal length is so many times the stated
     # one, since that fits better; 1: the stated one fits.
     focal_scale: float
+    # The pose is that of depth that is so many times as large as what was sent,
+    # since that fits better; 1: it fits as it is.
+    depth_scale: float
     # Who answered.
     scene: str
     model_version: str
@@ -299,6 +302,8 @@ def answer_of(response: relocalization_pb2.LocalizeResponse,
         confidence_threshold=response.confidence_threshold,
         focal_scale=(response.focal_scale
                      if response.HasField("focal_scale") else 1.0),
+        depth_scale=(response.depth_scale
+                     if response.HasField("depth_scale") else 1.0),
         scene=response.scene, model_version=response.model_version,
         candidates=tuple(SceneCandidate(
             scene=c.scene, similarity=c.similarity, tried=c.tried,

@@ -105,7 +105,8 @@ class Aligner {
     Gather(keyframes, world_from_color.translation);
     for (int level = options_.first_level; level >= options_.last_level;
          --level) {
-      const bool surfaces = depth_ != nullptr && level <= kSurfaceLevel;
+      const bool surfaces = depth_ != nullptr && level <= kSurfaceLevel &&
+                            !options_.only_measures_depth;
       for (int i = 0; i < options_.iterations; ++i) {
         See(level, i == 0);
         if (visible_ < MinVisible(level)) return std::nullopt;
@@ -393,20 +394,28 @@ class Aligner {
 
   // Finds the measured points that the keyframes' first runs project to; they
   // are held on to while a level is aligned, since a step moves a point along
-  // its surface by less than the surface bends.
-  void MeasureSurfaces() {
+  // its surface by less than the surface bends. `only_agreeing`: those whose
+  // brightness agrees, too.
+  void MeasureSurfaces(bool only_agreeing = false) {
     surfaces_.clear();
-    const size_t end = runs_[exposures_.size() - 1].end;
-    MeasureUpTo(end);
-    for (size_t i = 0; i < end; ++i) {
-      if (!HasSurface(i)) continue;
-      const double sigma_m = measured_.sigma_m[i];
-      surfaces_.Append({points_.x[i], points_.y[i], points_.z[i]},
-                       {points_.nx[i], points_.ny[i], points_.nz[i]},
-                       {measured_.x[i], measured_.y[i], measured_.z[i]},
-                       (sigma_m * sigma_m + kSurfaceNoise_m * kSurfaceNoise_m));
+    const size_t first_runs = exposures_.size();
+    MeasureUpTo(runs_[first_runs - 1].end);
+    for (size_t run = 0; run < first_runs; ++run) {
+      for (size_t i = runs_[run].begin; i < runs_[run].end; ++i) {
+        if (!HasSurface(i)) continue;
+        if (only_agreeing && !AgreesInBrightness(run, i)) continue;
+        AppendSurface(i);
+      }
     }
     surfaces_.Pad();
+  }
+
+  void AppendSurface(size_t i) {
+    const double sigma_m = measured_.sigma_m[i];
+    surfaces_.Append({points_.x[i], points_.y[i], points_.z[i]},
+                     {points_.nx[i], points_.ny[i], points_.nz[i]},
+                     {measured_.x[i], measured_.y[i], measured_.z[i]},
+                     sigma_m * sigma_m + kSurfaceNoise_m * kSurfaceNoise_m);
   }
 
   // A dim image differs by less.
@@ -441,6 +450,20 @@ class Aligner {
     }
   }
 
+  std::optional<DepthScale> JudgeDepthScale() {
+    PoseInformation information;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < 6; ++j) {
+        information[static_cast<size_t>(6 * i + j)] = information_(i, j);
+      }
+    }
+    if (!options_.only_measures_depth) {
+      return DepthScaleStep(surfaces_, View(), information);
+    }
+    MeasureSurfaces(/*only_agreeing=*/true);
+    return EstimateDepthScale(surfaces_, View(), information);
+  }
+
   Alignment Judge() {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
@@ -470,7 +493,10 @@ class Aligner {
     if (va > n && vb > n) {
       alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
     }
-    if (depth_ != nullptr) JudgeSurfaces(alignment);
+    if (depth_ != nullptr) {
+      JudgeSurfaces(alignment);
+      alignment.depth_scale = JudgeDepthScale();
+    }
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =
         kCorrelatedPoints * information_.ldlt().solve(Matrix6::Identity());

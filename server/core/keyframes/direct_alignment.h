@@ -9,6 +9,7 @@
 #include "common/geometry/rigid3.h"
 #include "common/image/image.h"
 #include "server/core/features/gray_pyramid.h"
+#include "server/core/keyframes/depth_scale.h"
 #include "server/core/keyframes/keyframe_map.h"
 
 namespace treeline::keyframes {
@@ -21,6 +22,9 @@ struct AlignmentOptions {
   int iterations = 5;
   // Keyframes aligned with: those of which much should be seen from near by.
   int keyframes = 3;
+  // The pose is the picture's alone; depth is compared with what is seen from
+  // there.
+  bool only_measures_depth = false;
 };
 
 struct Alignment {
@@ -40,6 +44,9 @@ struct Alignment {
   // that lie on it.
   int measured = 0;
   double depth_agreement = 0;
+  // What speaks for another scale of depth: by EstimateDepthScale if depth was
+  // only measured, else by DepthScaleStep. nullopt: nothing does.
+  std::optional<DepthScale> depth_scale;
 };
 
 // Minimises, over the pose, the robust sum over keyframe points X of

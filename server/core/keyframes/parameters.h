@@ -130,6 +130,52 @@ inline constexpr base::Parameter<int> kSurfaceLevel{
     .origin = base::ParameterOrigin::kTuned,
     .why = "pyramid levels from this one down use measured surfaces"};
 
+// The scale of depth.
+inline constexpr base::Parameter<int> kMinScalePoints{
+    .name = "min_scale_points",
+    .value = 40,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of fewer measured points nothing is said of the scale of depth"};
+inline constexpr base::Parameter<double> kMinScaleFacing{
+    .name = "min_scale_facing",
+    .value = 0.2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "surfaces at a flatter angle to the line of sight (its cosine) say "
+        "more of the pixel than of the depth"};
+inline constexpr base::Parameter<double> kMaxLogDepthScale{
+    .name = "max_log_depth_scale",
+    .value = 0.12,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "sensors are off by up to 5 %, and with twice that a unit is another "
+        "one"};
+inline constexpr base::Parameter<int> kScaleIterations{
+    .name = "scale_iterations",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "Gauss-Newton steps over pose and scale of depth"};
+inline constexpr base::Parameter<double> kInitialScaleWidth{
+    .name = "initial_scale_width",
+    .value = 4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "times the robust loss's scale at the first of them, which the "
+        "middle of all ratios begins"};
+inline constexpr base::Parameter<double> kScaleAgreement{
+    .name = "scale_agreement",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "scaled points within so many standard deviations lie on their "
+        "surfaces"};
+
 // Features.
 inline constexpr base::Parameter<int> kHalvedSide_px{
     .name = "halved_side",

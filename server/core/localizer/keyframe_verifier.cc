@@ -82,6 +82,7 @@ Verdict KeyframeVerifier::Verify(Query& query,
           {.keyframes = AlignedKeyframes(calibration.color, learnt_)});
   if (aligned) {
     verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
+    verdict.depth_scale = aligned->depth_scale;
     // With less overlap the candidate is surer of the pose.
     if (aligned->overlap >= kMinKeyframeOverlap) {
       const pose::PoseWithCovariance answer = Answer(
@@ -109,6 +110,20 @@ Verdict KeyframeVerifier::Verify(Query& query,
            verdict.confidence >=
            query.options().min_confidence.value_or(confidence_.threshold)});
   return verdict;
+}
+
+std::optional<keyframes::DepthScale> KeyframeVerifier::MeasureDepth(
+    Query& query, const geometry::Rigid3& world_from_camera) const {
+  if (query.depth() == nullptr) return std::nullopt;
+  const camera::RgbdCalibration& calibration = query.calibration();
+  const std::optional<keyframes::Alignment> aligned =
+      keyframes::AlignToKeyframes(
+          keyframes_, query.pyramid(), query.depth(), calibration,
+          camera::PoseOfSensor(world_from_camera, calibration.pose_sensor,
+                               camera::RgbdSensor::kColor, calibration),
+          {.keyframes = AlignedKeyframes(calibration.color, learnt_),
+           .only_measures_depth = true});
+  return aligned ? aligned->depth_scale : std::nullopt;
 }
 
 }  // namespace treeline::localizer

@@ -29,6 +29,8 @@ class KeyframeVerifier final : public PoseVerifier {
   // Aligns the pose with the keyframes around, where there are any, by colour
   // and, if the query has it, by depth.
   Verdict Verify(Query& query, const Candidate& candidate) const override;
+  std::optional<keyframes::DepthScale> MeasureDepth(
+      Query& query, const geometry::Rigid3& world_from_camera) const override;
 
   const keyframes::KeyframeMap& keyframes() const { return keyframes_; }
 

@@ -81,6 +81,9 @@ struct PoseEstimate {
   // (or the scene's), since that fits what was seen better; 1: the stated one
   // fits.
   double focal_scale = 1;
+  // Depth was taken so many times what the frame states, since that fits what
+  // was seen better; 1: as stated.
+  double depth_scale = 1;
   // Filled if the query asked for it.
   std::vector<Correspondence> correspondences;
 };

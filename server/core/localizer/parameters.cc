@@ -31,6 +31,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSiftRobustScale_px),
           base::RowOf(kSiftInlier_px),
           base::RowOf(kSufficientConfidence),
+          base::RowOf(kSufficientSigma_m),
+          base::RowOf(kSufficientMatches),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
           base::RowOf(kMaxAlignedKeyframes),
@@ -45,6 +47,14 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMaxGuessedOffset),
           base::RowOf(kMinReducedSide_px),
           base::RowOf(kMaxFocalRounds),
+          base::RowOf(kSuspectDepthScale),
+          base::RowOf(kSureDepthAgreement),
+          base::RowOf(kSureAgreement),
+          base::RowOf(kMinDepthScaleError),
+          base::RowOf(kMinDepthScaleSigmas),
+          base::RowOf(kMinScaleAgreement),
+          base::RowOf(kMaxKnownFocalSigma),
+          base::RowOf(kMaxDepthRounds),
           base::RowOf(kOtherTurnOdds)};
 }
 

@@ -196,6 +196,24 @@ inline constexpr base::Parameter<double> kSufficientConfidence{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "a pose as sure as this needs no dearer generator"};
+inline constexpr base::Parameter<double> kSufficientSigma_m{
+    .name = "sufficient_sigma",
+    .value = 0.0075,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... if it is as well determined; 6.6 mm at most of whole pictures "
+        "with "
+        "depth, 10 to 23 of narrow ones that were wrong"};
+inline constexpr base::Parameter<int> kSufficientMatches{
+    .name = "sufficient_matches",
+    .value = 25,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and, of features, supported by so many: of those with fewer 3 of "
+        "37 were wrong, 2 grossly. As many may doubt a focal length that is "
+        "no guess"};
 inline constexpr base::Parameter<int> kMinAnswerInliers{
     .name = "min_answer_inliers",
     .value = 15,
@@ -315,6 +333,69 @@ inline constexpr base::Parameter<int> kMaxFocalRounds{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "with a better focal length more features fit, and say it better"};
+
+// Depth of another scale.
+inline constexpr base::Parameter<double> kSuspectDepthScale{
+    .name = "suspect_depth_scale",
+    .value = 0.005,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "if an aligned pose wants depth scaled by more, the scale is measured: "
+        "0.004 at most where it was right (420 views that were held out), "
+        "0.006 to 0.013 where it was 2 % off"};
+inline constexpr base::Parameter<double> kSureDepthAgreement{
+    .name = "sure_depth_agreement",
+    .value = 0.94,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... or if less of its depth agrees: 0.94 and more in 418 of the 420, "
+        "0.77 to 0.91 where a wrong pose explained depth that was 7 % off"};
+inline constexpr base::Parameter<double> kSureAgreement{
+    .name = "sure_agreement",
+    .value = 0.68,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and less of its brightness: 0.59 to 0.67 there; of a noisy "
+        "sensor only depth disagrees"};
+inline constexpr base::Parameter<double> kMinDepthScaleError{
+    .name = "min_depth_scale_error",
+    .value = 0.0075,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "a scale that is off by less is not corrected: right ones were 0.012 "
+        "off at most"};
+inline constexpr base::Parameter<double> kMinDepthScaleSigmas{
+    .name = "min_depth_scale_sigmas",
+    .value = 1.5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... nor one that may be right, by how well it is known"};
+inline constexpr base::Parameter<double> kMinScaleAgreement{
+    .name = "min_scale_agreement",
+    .value = 0.7,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "one scale must put this share of the measured points on the scene's "
+        "surfaces: 0.83 and more where the pose was right"};
+inline constexpr base::Parameter<double> kMaxKnownFocalSigma{
+    .name = "max_known_focal_sigma",
+    .value = 0.01,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "a focal length that may be a guess has to be known as well before "
+        "depth is doubted: errors of either look alike"};
+inline constexpr base::Parameter<int> kMaxDepthRounds{
+    .name = "max_depth_rounds",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a pose that is nearer says the scale better"};
 
 // Turned pictures.
 inline constexpr base::Parameter<double> kOtherTurnOdds{

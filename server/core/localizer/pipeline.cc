@@ -33,6 +33,7 @@ class Search {
   bool Verify(size_t i) {
     if (!candidates_[i].pose) return false;
     Verdict verdict = verifier_.Verify(query_, candidates_[i]);
+    last_ = verdict;
     if (verdict.is_believed() &&
         !query_.options().priors.Allows(verdict.world_from_camera)) {
       verdict.reason = NotLocalizedReason::kContradictsPrior;
@@ -55,10 +56,42 @@ class Search {
            verdict_->is_believed();
   }
   bool IsSatisfied(double sufficient_confidence) const {
-    return verdict_ && verdict_->confidence >= sufficient_confidence &&
-           verdict_->reason != NotLocalizedReason::kContradictsPrior;
+    if (!verdict_ || verdict_->confidence < sufficient_confidence ||
+        verdict_->reason == NotLocalizedReason::kContradictsPrior) {
+      return false;
+    }
+    const forest::PoseEvidence& evidence = verdict_->evidence;
+    return sufficient_confidence == 0 ||
+           (evidence.sigma_m <= kSufficientSigma_m &&
+            (evidence.matches == 0 || evidence.matches >= kSufficientMatches));
   }
-  // Of the pose that most matched features support.
+  // Whether the pose that was verified last, however sure, is one that depth of
+  // another scale could have led astray.
+  bool SuspectsDepth() const {
+    return last_ && last_->depth_scale &&
+           (std::abs(std::log(last_->depth_scale->scale)) >=
+                kSuspectDepthScale ||
+            (last_->evidence.depth_agreement < kSureDepthAgreement &&
+             last_->evidence.agreement < kSureAgreement));
+  }
+  bool LastIsMatched() const { return candidates_.back().is_matched; }
+  // What depth has to be taken times, by the last candidate's pose; 1: it may
+  // well be right. nullopt: nothing explains it.
+  std::optional<double> DepthScale() const {
+    const std::optional<keyframes::DepthScale> measured =
+        verifier_.MeasureDepth(query_,
+                               candidates_.back().pose->world_from_camera);
+    if (!measured || measured->agreement < kMinScaleAgreement) {
+      return std::nullopt;
+    }
+    const double error = std::abs(std::log(measured->scale));
+    return error < kMinDepthScaleError ||
+                   error < kMinDepthScaleSigmas * measured->sigma
+               ? 1
+               : measured->scale;
+  }
+  // Of the pose that most matched features support. Few of them are no reason
+  // to doubt a focal length that is no guess.
   std::optional<pose::FocalEstimate> Focal() const {
     const Candidate* most = nullptr;
     for (const Candidate& candidate : candidates_) {
@@ -66,12 +99,21 @@ class Search {
       if (most && candidate.pose->inliers <= most->pose->inliers) continue;
       most = &candidate;
     }
-    return most ? most->focal : std::nullopt;
+    if (!most || (!query_.is_focal_doubtful() &&
+                  most->pose->inliers < kSufficientMatches)) {
+      return std::nullopt;
+    }
+    return most->focal;
   }
   Selection Take() && {
     const std::optional<pose::FocalEstimate> focal = Focal();
     if (!verdict_) best_ = MostTelling();
-    return {std::move(candidates_[best_]), verdict_, focal};
+    return {std::move(candidates_[best_]), verdict_, focal, std::nullopt};
+  }
+  Selection TakeScaled(double depth_scale) && {
+    Selection selection = std::move(*this).Take();
+    selection.depth_scale = depth_scale;
+    return selection;
   }
 
  private:
@@ -88,19 +130,30 @@ class Search {
   std::vector<Candidate> candidates_;
   size_t best_ = 0;
   std::optional<Verdict> verdict_;
+  std::optional<Verdict> last_;
 };
 
-// The focal length that the selected pose's features speak for, in stated ones;
-// nullopt: it may well be the stated one.
-std::optional<double> OtherFocal(const Selection& selection, bool is_doubtful) {
-  if (!selection.verdict || !selection.focal) return std::nullopt;
-  const double error = std::abs(std::log(selection.focal->scale));
+// The focal length that matched features speak for, in stated ones; nullopt: it
+// may well be the stated one.
+std::optional<double> OtherFocal(
+    const std::optional<pose::FocalEstimate>& focal, bool is_doubtful) {
+  if (!focal) return std::nullopt;
+  const double error = std::abs(std::log(focal->scale));
   const double min_sigmas =
       is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
-  if (error < kMinFocalError || error < min_sigmas * selection.focal->sigma) {
+  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
     return std::nullopt;
   }
-  return selection.focal->scale;
+  return focal->scale;
+}
+
+// With a focal length that is wrong, depth that is right would seem to be
+// wrong.
+bool IsFocalKnown(const Query& query,
+                  const std::optional<pose::FocalEstimate>& focal) {
+  if (!query.is_focal_doubtful()) return true;
+  return focal && focal->sigma <= kMaxKnownFocalSigma &&
+         !OtherFocal(focal, /*is_doubtful=*/true);
 }
 
 // With the colour camera's focal length times `scale`; depth that is registered
@@ -114,25 +167,64 @@ absl::StatusOr<camera::RgbdCalibration> WithFocal(
   return calibration;
 }
 
-// Asks again with the focal length that the features speak for, as long as that
-// gives a better answer. `focal_scale` becomes the selection's.
-absl::StatusOr<Selection> SelectWithAnyFocal(const Method& method, Query& query,
-                                             double& focal_scale) {
-  TL_ASSIGN_OR_RETURN(Selection best, SelectCandidate(method, query));
+bool IsSure(const Selection& selection, const Method& method) {
+  return selection.verdict && selection.verdict->is_believed() &&
+         selection.verdict->confidence >= method.sufficient_confidence;
+}
+
+// Asks again with the scale of depth that the search speaks for, as long as it
+// speaks for another one. `depth_scale` is multiplied with the selection's. A
+// scale is one more way to explain what is not of the scene: if what is found
+// with it is not sure, depth stays as it is stated.
+absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
+                                             double& depth_scale) {
   const camera::RgbdCalibration stated = query.calibration();
+  double scale = 1;
+  for (int round = 0;; ++round) {
+    if (round == kMaxDepthRounds) query.set_depth_scale_open(false);
+    TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method, query));
+    if (!selection.depth_scale && (scale == 1 || IsSure(selection, method))) {
+      depth_scale *= scale;
+      return selection;
+    }
+    if (!selection.depth_scale) query.set_depth_scale_open(false);
+    scale = selection.depth_scale ? scale * *selection.depth_scale : 1;
+    camera::RgbdCalibration corrected = stated;
+    corrected.depth_scale *= scale;
+    query.set_calibration(std::move(corrected));
+  }
+}
+
+// Times what the frame states.
+struct Corrections {
+  double focal_scale = 1;
+  double depth_scale = 1;
+};
+
+// Asks again with the focal length that the features speak for, as long as that
+// gives a better answer. `corrections` become the selection's.
+absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
+                                                   Query& query,
+                                                   Corrections& corrections) {
+  TL_ASSIGN_OR_RETURN(
+      Selection best,
+      SelectWithAnyDepth(method, query, corrections.depth_scale));
   for (int round = 0; round < kMaxFocalRounds; ++round) {
     const std::optional<double> other =
-        OtherFocal(best, query.is_focal_doubtful());
-    if (!other) break;
+        OtherFocal(best.focal, query.is_focal_doubtful());
+    if (!best.verdict || !other) break;
+    Corrections tried = corrections;
+    tried.focal_scale *= *other;
     TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
-                        WithFocal(stated, focal_scale * *other));
+                        WithFocal(query.calibration(), *other));
     query.set_calibration(std::move(corrected));
-    TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method, query));
+    TL_ASSIGN_OR_RETURN(Selection selection,
+                        SelectWithAnyDepth(method, query, tried.depth_scale));
     if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
       break;
     }
     best = std::move(selection);
-    focal_scale *= *other;
+    corrections = tried;
   }
   return best;
 }
@@ -147,8 +239,16 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
     TL_RETURN_IF_ERROR(search.Ask(*step.generator));
     if (step.is_fallback) continue;
     const bool has_pose = search.VerifyLast();
+    bool doubts_depth =
+        has_pose && query.is_depth_scale_open() && search.SuspectsDepth();
+    if (doubts_depth && search.LastIsMatched() &&
+        IsFocalKnown(query, search.Focal())) {
+      const std::optional<double> scale = search.DepthScale();
+      if (scale && *scale != 1) return std::move(search).TakeScaled(*scale);
+      doubts_depth = !scale;
+    }
     const bool is_satisfied =
-        search.IsSatisfied(method.sufficient_confidence) &&
+        search.IsSatisfied(method.sufficient_confidence) && !doubts_depth &&
         (!query.is_focal_doubtful() || search.Focal().has_value());
     if (step.is_shortcut) {
       if (is_satisfied && search.LastIsBelieved()) {
@@ -181,13 +281,16 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   const camera::Camera& learnt = info().calibration.color;
   if (MayBeGuessed(calibration.color, learnt)) query.set_focal_doubtful();
   query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
-  double focal_scale = 1;
+  query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
+                             query.depth() != nullptr);
+  Corrections corrections;
   TL_ASSIGN_OR_RETURN(Selection selection,
-                      SelectWithAnyFocal(method_, query, focal_scale));
+                      SelectWithAnyCalibration(method_, query, corrections));
   PoseEstimate estimate =
       Report(std::move(selection.candidate),
              selection.verdict ? &*selection.verdict : nullptr);
-  estimate.focal_scale = focal_scale;
+  estimate.focal_scale = corrections.focal_scale;
+  estimate.depth_scale = corrections.depth_scale;
   estimate.timings = query.timings();
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;

@@ -46,6 +46,9 @@ struct Selection {
   std::optional<Verdict> verdict;  // nullopt: it has no pose
   // Of the candidate that most matched features support, this one or another.
   std::optional<pose::FocalEstimate> focal;
+  // So many times, depth is what is seen: the search ended for it. nullopt: it
+  // may well be right as it is.
+  std::optional<double> depth_scale;
 };
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
@@ -53,8 +56,9 @@ struct Selection {
 // A pose that contradicts the query's priors is not believed, and does not end
 // the search. Without a pose, the first candidate that had enough to look at
 // says why. Where the query's focal length is doubtful, no pose ends the search
-// before features have told of it. Errors of the generators; CANCELLED after
-// the query's stop.
+// before features have told of it. Where the scale of depth is open and another
+// one is found, the search ends there. Errors of the generators; CANCELLED
+// after the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
 
 // A model with the method that reads it.

@@ -37,17 +37,24 @@ class FakeGenerator final : public CandidateGenerator {
 // Looks its verdict up by the pose's inliers.
 class FakeVerifier final : public PoseVerifier {
  public:
-  FakeVerifier(std::map<int, Verdict> verdicts, int* verified)
-      : verdicts_(std::move(verdicts)), verified_(verified) {}
+  FakeVerifier(std::map<int, Verdict> verdicts, int* verified,
+               std::optional<keyframes::DepthScale> depth)
+      : verdicts_(std::move(verdicts)), verified_(verified), depth_(depth) {}
 
   Verdict Verify(Query& /*query*/, const Candidate& candidate) const override {
     ++*verified_;
     return verdicts_.at(candidate.pose->inliers);
   }
+  std::optional<keyframes::DepthScale> MeasureDepth(
+      Query& /*query*/,
+      const geometry::Rigid3& /*world_from_camera*/) const override {
+    return depth_;
+  }
 
  private:
   const std::map<int, Verdict> verdicts_;
   int* const verified_;
+  const std::optional<keyframes::DepthScale> depth_;
 };
 
 // A candidate with the pose that the verifier knows by `number`.
@@ -90,12 +97,13 @@ class SelectCandidateTest : public testing::Test {
   absl::StatusOr<Selection> Select(std::map<int, Verdict> verdicts,
                                    const LocalizeOptions& options = {}) {
     method_.verifier =
-        std::make_unique<FakeVerifier>(std::move(verdicts), &verified_);
+        std::make_unique<FakeVerifier>(std::move(verdicts), &verified_, depth_);
     const image::Frame frame;
     const camera::RgbdCalibration calibration;
     QueryScratch scratch;
     Query query(frame, calibration, method_.depth_use, options, scratch);
     if (is_focal_doubtful_) query.set_focal_doubtful();
+    query.set_depth_scale_open(is_depth_scale_open_);
     return SelectCandidate(method_, query);
   }
 
@@ -103,6 +111,8 @@ class SelectCandidateTest : public testing::Test {
   std::deque<Asked> asked_;
   int verified_ = 0;
   bool is_focal_doubtful_ = false;
+  bool is_depth_scale_open_ = true;
+  std::optional<keyframes::DepthScale> depth_;
 };
 
 TEST_F(SelectCandidateTest, TheFirstVerifiedPoseIsTheAnswerUnlessAskedForMore) {
@@ -113,6 +123,110 @@ TEST_F(SelectCandidateTest, TheFirstVerifiedPoseIsTheAnswerUnlessAskedForMore) {
   EXPECT_EQ(selection->candidate.pose->inliers, 1);
   EXPECT_FALSE(selection->verdict->is_believed());
   EXPECT_EQ(second.times, 0);
+}
+
+// A forest's pose that is sure, from which depth seems 1 % too near, then those
+// of two sources of matched features.
+class ScaledDepthTest : public SelectCandidateTest {
+ protected:
+  ScaledDepthTest() {
+    method_.sufficient_confidence = 0.9;
+    AddStep(Pose(1));
+    for (const int number : {102, 103}) {
+      Candidate matched = Pose(number);
+      matched.is_matched = true;
+      matched.focal = focal_;
+      features_.push_back(&AddStep(std::move(matched)));
+    }
+  }
+  absl::StatusOr<Selection> SelectAmongThem() {
+    Verdict suspect = Believed(0.95);
+    suspect.depth_scale = keyframes::DepthScale{.scale = 1.01};
+    return Select({{1, suspect}, {102, suspect}, {103, suspect}});
+  }
+
+  static constexpr pose::FocalEstimate focal_{.scale = 1.001, .sigma = 0.005};
+  std::vector<const Asked*> features_;
+};
+
+TEST_F(ScaledDepthTest, FeaturesMeasureItWhereASurePoseDoubtsIt) {
+  depth_ = {.scale = 1.05, .sigma = 0.004, .points = 300, .agreement = 0.9};
+  const auto selection = SelectAmongThem();
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->depth_scale, 1.05);
+  EXPECT_EQ(features_[0]->times, 1);
+  EXPECT_EQ(features_[1]->times, 0);
+}
+
+TEST_F(ScaledDepthTest, APoseIsSureWhereItFits) {
+  depth_ = {.scale = 1.003, .sigma = 0.004, .points = 300, .agreement = 0.9};
+  const auto selection = SelectAmongThem();
+  ASSERT_TRUE(selection.ok());
+  EXPECT_FALSE(selection->depth_scale.has_value());
+  EXPECT_TRUE(selection->verdict->is_believed());
+  EXPECT_EQ(features_[1]->times, 0);
+}
+
+TEST_F(ScaledDepthTest, OneThatExplainsLittleOrIsVagueCorrectsNothing) {
+  for (const keyframes::DepthScale& depth :
+       {keyframes::DepthScale{.scale = 1.05, .sigma = 0.004, .agreement = 0.5},
+        keyframes::DepthScale{
+            .scale = 1.05, .sigma = 0.05, .agreement = 0.9}}) {
+    depth_ = depth;
+    const auto selection = SelectAmongThem();
+    ASSERT_TRUE(selection.ok());
+    EXPECT_FALSE(selection->depth_scale.has_value());
+  }
+  EXPECT_EQ(features_[1]->times, 1);
+}
+
+TEST_F(ScaledDepthTest, ItIsNoQuestionOnceItIsSettled) {
+  is_depth_scale_open_ = false;
+  depth_ = {.scale = 1.05, .sigma = 0.004, .points = 300, .agreement = 0.9};
+  const auto selection = SelectAmongThem();
+  ASSERT_TRUE(selection.ok());
+  EXPECT_FALSE(selection->depth_scale.has_value());
+  EXPECT_EQ(features_[0]->times, 0);
+}
+
+TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
+  is_focal_doubtful_ = true;
+  depth_ = {.scale = 1.05, .sigma = 0.004, .points = 300, .agreement = 0.9};
+  const auto known = SelectAmongThem();
+  ASSERT_TRUE(known.ok());
+  EXPECT_EQ(known->depth_scale, 1.05);
+  // Where the picture does not tell it, or tells another, depth might lie.
+  for (const pose::FocalEstimate& focal :
+       {pose::FocalEstimate{.scale = 1.001, .sigma = 0.02},
+        pose::FocalEstimate{.scale = 1.03, .sigma = 0.004}}) {
+    method_.steps.clear();
+    Candidate matched = Pose(102);
+    matched.is_matched = true;
+    matched.focal = focal;
+    AddStep(std::move(matched));
+    const auto unknown = SelectAmongThem();
+    ASSERT_TRUE(unknown.ok());
+    EXPECT_FALSE(unknown->depth_scale.has_value());
+  }
+}
+
+TEST_F(SelectCandidateTest, FewFeaturesOrAVaguePoseDoNotEndTheSearch) {
+  method_.sufficient_confidence = 0.9;
+  AddStep(Pose(1));
+  const Asked& second = AddStep(Pose(2));
+  Verdict few = Believed(0.95);
+  few.evidence.matches = 12;
+  ASSERT_TRUE(Select({{1, few}, {2, Believed(0.93)}}).ok());
+  EXPECT_EQ(second.times, 1);
+  Verdict vague = Believed(0.95);
+  vague.evidence.sigma_m = 0.02;
+  ASSERT_TRUE(Select({{1, vague}, {2, Believed(0.93)}}).ok());
+  EXPECT_EQ(second.times, 2);
+  Verdict neither = Believed(0.95);
+  neither.evidence.matches = 60;
+  neither.evidence.sigma_m = 0.004;
+  ASSERT_TRUE(Select({{1, neither}, {2, Believed(0.93)}}).ok());
+  EXPECT_EQ(second.times, 2);
 }
 
 TEST_F(SelectCandidateTest, DearStepsAreAskedOnlyWhileTheVerifierIsNotContent) {

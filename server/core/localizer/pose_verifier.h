@@ -3,6 +3,9 @@
 #ifndef SERVER_CORE_LOCALIZER_POSE_VERIFIER_H_
 #define SERVER_CORE_LOCALIZER_POSE_VERIFIER_H_
 
+#include <optional>
+
+#include "server/core/keyframes/depth_scale.h"
 #include "server/core/localizer/candidate.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/localizer/query.h"
@@ -21,6 +24,8 @@ struct Verdict {
   // See PoseEstimate.
   double confidence = 0;
   forest::PoseEvidence evidence = {};
+  // See Alignment; nullopt without depth.
+  std::optional<keyframes::DepthScale> depth_scale = std::nullopt;
 
   bool is_believed() const { return reason == NotLocalizedReason::kNone; }
 };
@@ -47,6 +52,14 @@ class PoseVerifier {
 
   // `candidate` has a pose. The same query and candidate give the same verdict.
   virtual Verdict Verify(Query& query, const Candidate& candidate) const = 0;
+
+  // How many times the query's depth is what is seen from about the pose (of
+  // the pose sensor), judged by a pose that is the picture's alone. nullopt: it
+  // cannot be told.
+  virtual std::optional<keyframes::DepthScale> MeasureDepth(
+      Query& /*query*/, const geometry::Rigid3& /*world_from_camera*/) const {
+    return std::nullopt;
+  }
 };
 
 }  // namespace treeline::localizer

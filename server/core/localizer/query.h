@@ -80,6 +80,10 @@ class Query {
   // The stated focal length may be a guess: it has to be confirmed by features.
   bool is_focal_doubtful() const { return is_focal_doubtful_; }
   void set_focal_doubtful() { is_focal_doubtful_ = true; }
+  // The scale of depth is still open: where one explains what is seen better,
+  // depth is measured anew by it.
+  bool is_depth_scale_open() const { return is_depth_scale_open_; }
+  void set_depth_scale_open(bool open) { is_depth_scale_open_ = open; }
   // See FeatureReduction; counts for features that are sought afterwards.
   void set_feature_reduction(int reduction) { feature_reduction_ = reduction; }
   const LocalizeOptions& options() const { return options_; }
@@ -104,6 +108,7 @@ class Query {
   const LocalizeOptions& options_;
   double pixel_ = 0;
   bool is_focal_doubtful_ = false;
+  bool is_depth_scale_open_ = false;
   int feature_reduction_ = 1;
   QueryScratch& scratch_;
   bool has_image_ = false;
