@@ -33,6 +33,15 @@ absl::Status FusionOptions::Validate() const {
       base::CheckRange("outlier_neighbors", outlier_neighbors, 0, 8));
   TL_RETURN_IF_ERROR(base::CheckRange("outlier_deviations", outlier_deviations,
                                       kAlmost0, 100));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("clearing_range_m", clearing_range_m, 0.01, 20));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("min_clearing_views", min_clearing_views, 1, 1000));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("min_clearing_share", min_clearing_share, 0, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("min_clearing_share_beside",
+                                      min_clearing_share_beside, 0, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("max_glimpses", max_glimpses, 0, 1000));
   return base::CheckRange("max_bytes", static_cast<double>(max_bytes),
                           static_cast<double>(1 << 20), 1e15);
 }

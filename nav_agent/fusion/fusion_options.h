@@ -43,6 +43,19 @@ struct FusionOptions {
   int outlier_neighbors = 2;
   double outlier_deviations = 1;
 
+  // What moved (moved_voxels.h). Views clear from this distance on (m), in (0,
+  // 20]: cells of depth lie half a voxel apart there. A voxel has moved if so
+  // many views in a row clear it, in [1, 1000], and this share, of those that
+  // meet something there; the second share where voxels beside have moved. In
+  // [0, 100]. What was met so often, and never cleared, goes with what moved
+  // beside it; in [0, 1000]. Chosen on drives through cafe, lab and generated
+  // worlds.
+  double clearing_range_m = 3;
+  int min_clearing_views = 2;
+  double min_clearing_share = 0.5;
+  double min_clearing_share_beside = 0.05;
+  int max_glimpses = 3;
+
   // What map, clouds and working space may take together (bytes), at least
   // 2^20.
   int64_t max_bytes = int64_t{1} << 30;

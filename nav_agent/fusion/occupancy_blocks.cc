@@ -15,15 +15,6 @@ float LogOdds(double probability) {
   return static_cast<float>(std::log(probability / (1 - probability)));
 }
 
-// Of a block; each coordinate has 21 bits.
-uint64_t KeyOf(octree::VoxelIndex block) {
-  constexpr int kBits = 21;
-  constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
-  return (static_cast<uint64_t>(block.x) & kMask) << (2 * kBits) |
-         (static_cast<uint64_t>(block.y) & kMask) << kBits |
-         (static_cast<uint64_t>(block.z) & kMask);
-}
-
 // Calls visit(index of the block in the grid, x, y, byte z) for all columns of
 // all blocks.
 template <typename Visit>
@@ -60,6 +51,43 @@ OccupancyBlocks::OccupancyBlocks(const FusionOptions& options)
       lowest_(LogOdds(options.lowest_probability)),
       highest_(LogOdds(options.highest_probability)),
       occupied_(LogOdds(options.occupied_threshold)) {}
+
+uint64_t OccupancyBlocks::KeyOf(octree::VoxelIndex block) {
+  constexpr int kBits = 21;
+  constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
+  return (static_cast<uint64_t>(block.x) & kMask) << (2 * kBits) |
+         (static_cast<uint64_t>(block.y) & kMask) << kBits |
+         (static_cast<uint64_t>(block.z) & kMask);
+}
+
+uint8_t OccupancyBlocks::OccupiedIn(const Block& block, size_t column) const {
+  const float* const values = block.log_odds.data() + column * kSide;
+  unsigned occupied = 0;
+  for (int z = 0; z < kSide; ++z) {
+    if (values[z] >= occupied_) occupied |= 1U << z;
+  }
+  return static_cast<uint8_t>(occupied & block.known[column]);
+}
+
+bool OccupancyBlocks::IsKnown(octree::VoxelIndex voxel) const {
+  const Block* const block = Find({voxel.x >> 3, voxel.y >> 3, voxel.z >> 3});
+  if (block == nullptr) return false;
+  const int column = (voxel.x & 7) * kSide + (voxel.y & 7);
+  return (block->known[static_cast<size_t>(column)] >> (voxel.z & 7) & 1) != 0;
+}
+
+void OccupancyBlocks::MakeFree(octree::VoxelIndex voxel) {
+  // Shifts round down, and masks stay positive, for negative numbers too.
+  static_assert(kSide == 8);
+  const auto found =
+      blocks_.find(KeyOf({voxel.x >> 3, voxel.y >> 3, voxel.z >> 3}));
+  if (found == blocks_.end()) return;
+  const int column = (voxel.x & 7) * kSide + (voxel.y & 7);
+  Block& block = *found->second;
+  block.log_odds[static_cast<size_t>(column * kSide + (voxel.z & 7))] = lowest_;
+  uint8_t& known = block.known[static_cast<size_t>(column)];
+  known = static_cast<uint8_t>(known | 1U << (voxel.z & 7));
+}
 
 const OccupancyBlocks::Block* OccupancyBlocks::Find(
     octree::VoxelIndex block) const {

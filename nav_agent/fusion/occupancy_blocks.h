@@ -67,6 +67,29 @@ class OccupancyBlocks {
   // Null where nothing is known.
   const Block* Find(octree::VoxelIndex block) const;
 
+  // Bits as in Block::known: which voxels of a column are occupied.
+  uint8_t OccupiedIn(const Block& block, size_t column) const;
+  // visit(where, block) for each, along z, then y, then x.
+  template <typename Visit>
+  void ForEachBlock(const Visit& visit) const {
+    for (int x = low_.x; x < high_.x; ++x) {
+      for (int y = low_.y; y < high_.y; ++y) {
+        for (int z = low_.z; z < high_.z; ++z) {
+          const Block* const block = Find({x, y, z});
+          if (block != nullptr) visit(octree::VoxelIndex{x, y, z}, *block);
+        }
+      }
+    }
+  }
+  // Numbered as in a VoxelMap whose lowest() is 0.
+  bool IsKnown(octree::VoxelIndex voxel) const;
+  // As free as can be; a voxel of a known block, numbered as in a VoxelMap
+  // whose lowest() is 0.
+  void MakeFree(octree::VoxelIndex voxel);
+
+  // Of a block; each coordinate has 21 bits.
+  static uint64_t KeyOf(octree::VoxelIndex block);
+
   // The voxels in known blocks; the box's borders are those of blocks.
   octree::VoxelIndex lowest_block() const { return low_; }
   octree::VoxelIndex end_block() const { return high_; }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/fusion/moved_voxels.h"
 #include "nav_agent/octomap/log_odds_file.h"
 
 namespace treeline::fusion {
@@ -108,9 +109,15 @@ absl::Status OctomapBuilder::Insert(int64_t id, ViewKind kind,
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
-    const CompactCloud& cloud, ViewKind kind,
-    const geometry::Rigid3& map_from_sensor, OccupancyBlocks& map) {
+int64_t OctomapBuilder::WorkingBytes(octree::VoxelIndex blocks) const {
+  // A byte and a pointer for each block besides the grid's bits.
+  return ViewGrid::BytesFor(blocks) * (2 * kSide * kSide + 9) /
+             (2 * kSide * kSide) +
+         static_cast<int64_t>(places_.size() * sizeof(geometry::Vec3));
+}
+
+absl::StatusOr<geometry::Vec3> OctomapBuilder::Trace(
+    const CompactCloud& cloud, const geometry::Rigid3& map_from_sensor) {
   // Places in voxels of the map.
   const geometry::Mat3 rotation = map_from_sensor.rotation.Matrix();
   const geometry::Vec3 origin =
@@ -144,13 +151,8 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
   const octree::VoxelIndex blocks{BlockOf(high.x + 1) + 1 - first.x,
                                   BlockOf(high.y + 1) + 1 - first.y,
                                   BlockOf(high.z + 1) + 1 - first.z};
-  // A byte and a pointer for each block besides the grid's bits.
-  const int64_t working =
-      ViewGrid::BytesFor(blocks) * (2 * kSide * kSide + 9) /
-          (2 * kSide * kSide) +
-      static_cast<int64_t>(places_.size() * sizeof(geometry::Vec3));
-  const int64_t map_bytes = options_.max_bytes - cloud_bytes_ - working;
-  if (map_bytes < 0) {
+  const int64_t working = WorkingBytes(blocks);
+  if (options_.max_bytes - cloud_bytes_ - working < 0) {
     return absl::ResourceExhaustedError(absl::StrCat(
         "the clouds (", cloud_bytes_ >> 10,
         " KiB) and the view's working space (", working >> 10,
@@ -166,7 +168,34 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
     if (i < cloud.hits && !grid_.MarkOccupied(place)) continue;
     grid_.MarkFree(eye, place);
   }
+  return eye;
+}
+
+absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
+    const CompactCloud& cloud, ViewKind kind,
+    const geometry::Rigid3& map_from_sensor, OccupancyBlocks& map) {
+  TL_RETURN_IF_ERROR(Trace(cloud, map_from_sensor).status());
+  const int64_t map_bytes =
+      options_.max_bytes - cloud_bytes_ - WorkingBytes(grid_.blocks());
   return map.Add(grid_, kind, map_bytes / OccupancyBlocks::kBlockBytes);
+}
+
+absl::StatusOr<int64_t> OctomapBuilder::ForgetMoved() {
+  MovedVoxels voxels(map_, options_);
+  for (const View& view : views_) {
+    TL_ASSIGN_OR_RETURN(const geometry::Vec3 eye,
+                        Trace(view.cloud, view.pose.map_from_sensor));
+    voxels.Add(grid_, view.kind, eye);
+  }
+  const std::vector<octree::VoxelIndex> moved = voxels.Find(map_);
+  for (const octree::VoxelIndex& voxel : moved) {
+    map_.MakeFree(voxel);
+    changed_ = Union(changed_, ColumnBox{.begin_x = voxel.x,
+                                         .begin_y = voxel.y,
+                                         .end_x = voxel.x + 1,
+                                         .end_y = voxel.y + 1});
+  }
+  return static_cast<int64_t>(moved.size());
 }
 
 absl::Status OctomapBuilder::SetPoses(std::span<const ViewPose> poses) {

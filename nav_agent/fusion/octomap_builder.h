@@ -70,6 +70,13 @@ class OctomapBuilder {
   // Views that are not named keep their pose. NOT_FOUND: an id; else as above.
   absl::Status SetPoses(std::span<const ViewPose> poses);
 
+  // Makes free what is occupied and has moved (moved_voxels.h). For when all
+  // views have come: what is inserted later adds to that, and SetPoses makes
+  // the map as if this had not been called. Returns how many voxels. Takes 8
+  // bytes an occupied voxel meanwhile, and as long as SetPoses.
+  // RESOURCE_EXHAUSTED: max_bytes.
+  absl::StatusOr<int64_t> ForgetMoved();
+
   // Occupied is what the threshold says, free what else is known. The box is
   // that of the known blocks of 8 voxels, widened in x and y to multiples of
   // `alignment` (at least 1) voxels, so that it seldom changes while a map
@@ -99,6 +106,12 @@ class OctomapBuilder {
 
   absl::Status Insert(int64_t id, ViewKind kind, CompactCloud cloud,
                       const geometry::Rigid3& map_from_sensor);
+  // Marks in grid_ what a cloud's rays meet and pass. Returns the sensor's
+  // place in the grid.
+  absl::StatusOr<geometry::Vec3> Trace(const CompactCloud& cloud,
+                                       const geometry::Rigid3& map_from_sensor);
+  // What tracing the cloud in places_ takes with a grid of so many blocks.
+  int64_t WorkingBytes(octree::VoxelIndex blocks) const;
   // Adds a cloud to `map`.
   absl::StatusOr<std::optional<ColumnBox>> Fuse(
       const CompactCloud& cloud, ViewKind kind,

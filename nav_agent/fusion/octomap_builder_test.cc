@@ -369,6 +369,11 @@ TEST(OctomapBuilder, OptionsOutOfRangeAreNamed) {
   EXPECT_TRUE(refused({.max_depth_m = 100}));
   EXPECT_TRUE(refused({.pixel_step = -1}));
   EXPECT_TRUE(refused({.outlier_neighbors = 9}));
+  EXPECT_TRUE(refused({.clearing_range_m = 0}));
+  EXPECT_TRUE(refused({.min_clearing_views = 0}));
+  EXPECT_TRUE(refused({.min_clearing_share = std::nan("")}));
+  EXPECT_TRUE(refused({.min_clearing_share_beside = -1}));
+  EXPECT_TRUE(refused({.max_glimpses = -1}));
   EXPECT_TRUE(refused({.max_bytes = 1000}));
 }
 

@@ -130,6 +130,10 @@ int MapAssembly::keyframes() const {
 
 absl::StatusOr<MapSummary> MapAssembly::Finish(
     const MapProvenance& provenance) {
+  int64_t moved_voxels = 0;
+  if (!options_.keep_moved) {
+    TL_ASSIGN_OR_RETURN(moved_voxels, octomap_.ForgetMoved());
+  }
   TL_ASSIGN_OR_RETURN(octree::VoxelMap whole, octomap_.Map());
   int driven_holes = 0;
   if (provenance.half_width_m.has_value()) {
@@ -154,6 +158,7 @@ absl::StatusOr<MapSummary> MapAssembly::Finish(
   TL_ASSIGN_OR_RETURN(MapSummary summary,
                       Write(provenance, voxels, *levels, {}));
   summary.driven_holes = driven_holes;
+  summary.moved_voxels = moved_voxels;
   return summary;
 }
 

@@ -30,6 +30,8 @@ struct MapOptions {
   std::string name;
   fusion::FusionOptions fusion;
   traversability::TraversabilityOptions traversability;
+  // Leaves in the map what moved while it was made.
+  bool keep_moved = false;
   // A frame becomes a keyframe when the camera has moved so far since the last
   // one (m, rad). As many as possible are kept (thesis 6.3.1); nearer ones tell
   // a forest nothing new.
@@ -53,6 +55,8 @@ struct MapSummary {
   int64_t free_voxels = 0;
   // Columns of the map that the wheels stood in and no view had kept ground of.
   int driven_holes = 0;
+  // Voxels of what moved, which became free.
+  int64_t moved_voxels = 0;
 };
 
 // Where the map was made from: text and poses that end up in the bundle.

@@ -125,11 +125,12 @@ void PrintSummary(const MapSummary& summary) {
   std::printf(
       "%lld voxels occupied, %lld free; %d levels, %d joins, %lld free cells; "
       "%d keyframes; under the wheels %d columns without ground, put to their "
-      "height\nWritten to %s\n",
+      "height; %lld voxels of what moved, made free\nWritten to %s\n",
       static_cast<long long>(summary.occupied_voxels),
       static_cast<long long>(summary.free_voxels), summary.levels,
       summary.joins, static_cast<long long>(summary.free_cells),
-      summary.keyframes, summary.driven_holes, summary.folder.c_str());
+      summary.keyframes, summary.driven_holes,
+      static_cast<long long>(summary.moved_voxels), summary.folder.c_str());
 }
 
 void SetOdometryNoise(const std::string& name, MapLogOptions& options) {
@@ -350,6 +351,8 @@ cli::Command AddMapCommand(CLI::App& app) {
       "M");
   add("--max-depth", flags->map.fusion.max_depth_m,
       "Depth beyond says only what is free", "M");
+  command->add_flag("--keep-moved", flags->map.keep_moved,
+                    "Leave in the map what moved while it was made");
   add("--keyframe-distance", flags->map.keyframe_m,
       "A frame is kept when the camera has moved so far", "M");
   add("--max-slope-deg", flags->max_slope_deg,
