@@ -1,0 +1,110 @@
+#include "common/flood_guard/frame_counter.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/flood_guard/testing_frames.h"
+
+namespace treeline::flood_guard {
+namespace {
+
+using Fault = FrameCounter::Fault;
+
+// What is counted, and the fault, when the bytes come in pieces of this size.
+FrameCounts CountOf(absl::string_view bytes, size_t step, Fault fault) {
+  FrameCounter counter;
+  FrameCounts counts;
+  for (; !bytes.empty(); bytes.remove_prefix(std::min(step, bytes.size()))) {
+    counter.Count(bytes.substr(0, step), counts);
+  }
+  EXPECT_EQ(counter.fault(), fault);
+  return counts;
+}
+
+FrameCounts CountOf(const std::string& bytes, Fault fault = Fault::kNone) {
+  const FrameCounts counts = CountOf(bytes, bytes.size(), fault);
+  for (const size_t step : {1, 2, 5, 9, 24, 100}) {
+    EXPECT_EQ(CountOf(bytes, step, fault), counts) << step;
+  }
+  return counts;
+}
+
+std::string AfterPreface(const std::string& frames) {
+  return kTestPreface + frames;
+}
+
+TEST(FrameCounter, APayloadIsNotAFrame) {
+  const std::string payload =
+      TestFrame(kTestHeaders, 4, 3, "xyz") + std::string(200, 'x');
+  EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestData, 0, 1, payload))),
+            FrameCounts());
+}
+
+TEST(FrameCounter, ACallWithItsMessageIsOneCallAndLittleElse) {
+  EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestHeaders, 4, 1, "block") +
+                                 TestFrame(kTestData, 0, 1,
+                                           std::string(16384, 'x')) +
+                                 TestFrame(kTestData, 1, 1, "end"))),
+            (FrameCounts{.calls = 1, .frames = 1}));
+}
+
+TEST(FrameCounter, EveryFrameThatBringsNothingCounts) {
+  std::string frames;
+  for (int type = 0; type < 256; ++type) {
+    if (type != kTestHeaders) frames += TestFrame(type, 0, 1, "");
+  }
+  EXPECT_EQ(CountOf(AfterPreface(frames)),
+            (FrameCounts{.calls = 0, .frames = 255}));
+}
+
+TEST(FrameCounter, LongHeadersCountAsSeveralCalls) {
+  const std::string quarter(10000, 'h');
+  EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestHeaders, 0, 1, quarter) +
+                                 TestFrame(kTestContinuation, 0, 1, quarter) +
+                                 TestFrame(kTestContinuation, 4, 1, quarter))),
+            (FrameCounts{.calls = 1 + 30000 / 4096, .frames = 2}));
+}
+
+TEST(FrameCounter, HeadersWithoutEndAreAFault) {
+  std::string frames = TestFrame(kTestHeaders, 0, 1, "");
+  const std::string piece =
+      TestFrame(kTestContinuation, 0, 1, std::string(16384, 'h'));
+  for (int i = 0; i < 4; ++i) frames += piece;
+  CountOf(AfterPreface(frames));
+  CountOf(AfterPreface(frames + TestFrame(kTestContinuation, 4, 1, "h")),
+          Fault::kHeaderBlock);
+}
+
+TEST(FrameCounter, HeadersOfOneCallSayNothingOfTheNext) {
+  std::string frames = TestFrame(kTestSettings, kTestAck, 0, "");
+  for (int i = 0; i < 100; ++i) {
+    frames += TestFrame(kTestHeaders, 4, 2 * i + 1, std::string(16000, 'h'));
+  }
+  CountOf(AfterPreface(frames));
+}
+
+TEST(FrameCounter, ManyCallsNeedAnAcknowledgement) {
+  std::string calls;
+  for (int i = 0; i < FrameCounter::kMaxCallsBeforeAck; ++i) {
+    calls += TestFrame(kTestHeaders, 4, 2 * i + 1, "block");
+  }
+  const std::string one_more = TestFrame(kTestHeaders, 4, 5001, "block");
+  CountOf(AfterPreface(calls));
+  // The client's own settings are none.
+  CountOf(AfterPreface(TestFrame(kTestSettings, 0, 0, "") + calls + one_more),
+          Fault::kNotAcknowledged);
+  CountOf(AfterPreface(calls + TestFrame(kTestSettings, kTestAck, 0, "") +
+                       one_more));
+}
+
+TEST(FrameCounter, WhatIsNoHttp2IsNotCounted) {
+  const std::string frames = TestFrame(kTestHeaders, 4, 1, "block");
+  EXPECT_EQ(CountOf(frames), FrameCounts());
+  EXPECT_EQ(CountOf("GET / HTTP/1.1\r\n\r\n" + frames), FrameCounts());
+  EXPECT_EQ(CountOf("PRI * HTTP/2.0\r\n\r\nSM\r\n\rX" + frames),
+            FrameCounts());
+}
+
+}  // namespace
+}  // namespace treeline::flood_guard
