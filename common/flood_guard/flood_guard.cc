@@ -16,7 +16,9 @@
 namespace treeline::flood_guard {
 namespace {
 
-constexpr double kBurst_s = 2;
+constexpr double kBurst_s = 1;
+// Of that, what new connections leave.
+constexpr double kCallsAlone = 0.25;
 constexpr std::chrono::seconds kRefused{1};
 constexpr double kReportInterval_s = 1;
 
@@ -26,7 +28,7 @@ absl::Status FloodLimits::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("calls a second of an address", calls_per_s, 1, 1e9));
   TL_RETURN_IF_ERROR(base::CheckRange("open calls of an address",
-                                      static_cast<double>(open_calls), 1, 1e9));
+                                      static_cast<double>(open_calls), 10, 1e9));
   return base::CheckRange("connections of an address", connections, 1, 1e6);
 }
 
@@ -40,8 +42,6 @@ absl::string_view NameOf(CutReason reason) {
       return "open_calls";
     case CutReason::kHeaderBlock:
       return "header_block";
-    case CutReason::kNotAcknowledged:
-      return "not_acknowledged";
     case CutReason::kHandshake:
       return "handshake";
     case CutReason::kConnections:
@@ -88,23 +88,25 @@ std::string AddressKeyOfPeer(absl::string_view peer) {
   return AddressKey(address);
 }
 
-void FloodGuard::Bucket::Refill(double seconds, double per_s) {
-  left = std::min(kBurst_s * per_s, left + seconds * per_s);
-}
-
 FloodGuard::FloodGuard(const FloodLimits& limits, const base::Clock& clock,
                        Report report)
-    : limits_(limits), clock_(clock), report_(std::move(report)) {}
+    : limits_(limits),
+      burst_(std::min(kBurst_s * limits.calls_per_s,
+                      static_cast<double>(limits.open_calls))),
+      clock_(clock),
+      report_(std::move(report)) {}
 
 FloodGuard::Address& FloodGuard::Find(const std::string& key) {
   const base::MonotonicTime now = clock_.Now();
   if (addresses_.size() >= forget_at_) Forget();
   const auto [found, is_new] = addresses_.try_emplace(key);
   Address& address = found->second;
-  const double seconds =
-      is_new ? kBurst_s : base::SecondsBetween(address.seen, now);
-  address.calls.Refill(seconds, limits_.calls_per_s);
-  address.frames.Refill(seconds, kFramesOfACall * limits_.calls_per_s);
+  const double returned =
+      is_new ? burst_
+             : limits_.calls_per_s * base::SecondsBetween(address.seen, now);
+  address.calls = std::min(burst_, address.calls + returned);
+  address.frames = std::min(kFramesOfACall * burst_,
+                            address.frames + kFramesOfACall * returned);
   address.seen = now;
   return address;
 }
@@ -127,10 +129,10 @@ bool FloodGuard::Open(const std::string& key, absl::string_view peer) {
       reason = CutReason::kCameBack;
     } else if (address.connections >= limits_.connections) {
       reason = CutReason::kConnections;
-    } else if (address.calls.left < kCallsOfAConnection) {
+    } else if (address.calls < kCallsAlone * burst_ + kCallsOfAConnection) {
       reason = CutReason::kCalls;
     } else {
-      address.calls.left -= kCallsOfAConnection;
+      address.calls -= kCallsOfAConnection;
       ++address.connections;
     }
   }
@@ -153,16 +155,16 @@ bool FloodGuard::Draw(const std::string& key, absl::string_view peer,
     Address& address = Find(key);
     const auto calls = static_cast<double>(counts.calls);
     const auto frames = static_cast<double>(counts.frames);
-    if (calls > address.calls.left) {
+    if (calls > address.calls) {
       reason = CutReason::kCalls;
-    } else if (frames > address.frames.left) {
+    } else if (frames > address.frames) {
       reason = CutReason::kFrames;
     } else if (counts.calls > 0 &&
                address.open_calls + counts.calls > limits_.open_calls) {
       reason = CutReason::kOpenCalls;
     } else {
-      address.calls.left -= calls;
-      address.frames.left -= frames;
+      address.calls -= calls;
+      address.frames -= frames;
     }
   }
   if (reason.has_value()) Cut(key, peer, *reason);
@@ -204,8 +206,6 @@ std::string FloodGuard::Explain(CutReason reason) const {
                           " calls open");
     case CutReason::kHeaderBlock:
       return "headers without end";
-    case CutReason::kNotAcknowledged:
-      return "it ignores how many calls it may make";
     case CutReason::kHandshake:
       return "no client begins TLS like this";
     case CutReason::kConnections:

@@ -23,10 +23,12 @@ namespace treeline::flood_guard {
 
 // Of each address. IPv6 addresses count by their first 64 bits.
 struct FloodLimits {
-  // Calls that begin in a second, 1..1e9; two seconds' worth may come at once.
-  // Each connection counts like kCallsOfAConnection of them.
+  // Calls that begin in a second, 1..1e9; a second's worth may come at once, but
+  // not more than may be open. Each connection counts like
+  // kCallsOfAConnection of them; new ones leave a quarter to the calls of
+  // those that are there.
   double calls_per_s = 1000;
-  // Calls that are open at a time, 1..1e9.
+  // Calls that are open at a time, 10..1e9.
   int64_t open_calls = 4096;
   // Connections at a time, 1..1e6.
   int connections = 1024;
@@ -46,13 +48,12 @@ enum class CutReason {
   kFrames,
   kOpenCalls,
   kHeaderBlock,
-  kNotAcknowledged,
   kHandshake,
   kConnections,
   // Its address was cut off a moment ago.
   kCameBack,
 };
-inline constexpr size_t kCutReasons = 8;
+inline constexpr size_t kCutReasons = 7;
 // For metrics: "calls", "frames", ...
 absl::string_view NameOf(CutReason reason);
 
@@ -97,15 +98,10 @@ class FloodGuard {
   void StopReporting();
 
  private:
-  // What is left of an allowance that comes back at `per_s`, up to two seconds'
-  // worth.
-  struct Bucket {
-    double left = 0;
-    void Refill(double seconds, double per_s);
-  };
   struct Address {
-    Bucket calls;
-    Bucket frames;
+    // What is left of allowances that come back with time.
+    double calls = 0;
+    double frames = 0;
     base::MonotonicTime seen;
     base::MonotonicTime refused_until = base::MonotonicTime::min();
     int connections = 0;
@@ -120,6 +116,8 @@ class FloodGuard {
   std::string Explain(CutReason reason) const;
 
   const FloodLimits limits_;
+  // How many calls may begin at once.
+  const double burst_;
   const base::Clock& clock_;
   mutable absl::Mutex mutex_;
   absl::flat_hash_map<std::string, Address> addresses_ ABSL_GUARDED_BY(mutex_);

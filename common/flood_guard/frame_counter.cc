@@ -10,14 +10,12 @@ constexpr absl::string_view kPreface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 // RFC 9113, section 6.
 constexpr unsigned char kData = 0x0;
 constexpr unsigned char kHeaders = 0x1;
-constexpr unsigned char kSettings = 0x4;
 constexpr unsigned char kContinuation = 0x9;
-constexpr unsigned char kAck = 0x1;
 
 }  // namespace
 
-void FrameCounter::Count(absl::string_view bytes, FrameCounts& counts) {
-  while (!bytes.empty() && is_http2_ && fault_ == Fault::kNone) {
+bool FrameCounter::Count(absl::string_view bytes, FrameCounts& counts) {
+  while (!bytes.empty() && is_http2_ && !is_headers_without_end_) {
     if (preface_bytes_ < kPreface.size()) {
       TakePreface(bytes);
     } else if (payload_left_ > 0) {
@@ -28,6 +26,7 @@ void FrameCounter::Count(absl::string_view bytes, FrameCounts& counts) {
       TakeHead(bytes, counts);
     }
   }
+  return !is_headers_without_end_;
 }
 
 void FrameCounter::TakePreface(absl::string_view& bytes) {
@@ -57,9 +56,6 @@ void FrameCounter::Begin(FrameCounts& counts) {
       block_bytes_ = 0;
       ++counts.calls;
       BeginHeaders(length, counts);
-      if (!acknowledged_ && ++calls_before_ack_ > kMaxCallsBeforeAck) {
-        fault_ = Fault::kNotAcknowledged;
-      }
       return;
     case kContinuation:
       ++counts.frames;
@@ -67,10 +63,6 @@ void FrameCounter::Begin(FrameCounts& counts) {
       return;
     case kData:
       if (length < kMinPayload) ++counts.frames;
-      return;
-    case kSettings:
-      if ((head_[4] & kAck) != 0) acknowledged_ = true;
-      ++counts.frames;
       return;
     default:
       ++counts.frames;
@@ -81,7 +73,7 @@ void FrameCounter::BeginHeaders(uint32_t length, FrameCounts& counts) {
   const int64_t before = block_bytes_ / kBytesOfACall;
   block_bytes_ += length;
   counts.calls += block_bytes_ / kBytesOfACall - before;
-  if (block_bytes_ > kMaxHeaderBlock) fault_ = Fault::kHeaderBlock;
+  is_headers_without_end_ = block_bytes_ > kMaxHeaderBlock;
 }
 
 }  // namespace treeline::flood_guard

@@ -35,24 +35,10 @@ class FrameCounter {
   // gRPC refuses a call whose headers hold more than 8 or 16 KiB, but reads
   // them, however many there are.
   static constexpr int64_t kMaxHeaderBlock = 64 * 1024;
-  // gRPC holds a client to the number of calls that it has been told only when
-  // it says that it has read so. Who waits for that begins few; what gRPC tells
-  // is 1024.
-  static constexpr int kMaxCallsBeforeAck = 1024;
 
-  enum class Fault {
-    kNone,
-    // A block of headers over kMaxHeaderBlock: CVE-2024-27316.
-    kHeaderBlock,
-    // More than kMaxCallsBeforeAck calls before the first SETTINGS of the
-    // server are acknowledged.
-    kNotAcknowledged,
-  };
-
-  // Adds what is in the next bytes. After a fault, which stays, nothing counts.
-  void Count(absl::string_view bytes, FrameCounts& counts);
-
-  Fault fault() const { return fault_; }
+  // Adds what is in the next bytes; false: the headers of a call are over
+  // kMaxHeaderBlock (CVE-2024-27316), and nothing counts from then on.
+  bool Count(absl::string_view bytes, FrameCounts& counts);
 
  private:
   static constexpr size_t kHeadBytes = 9;
@@ -72,9 +58,7 @@ class FrameCounter {
   uint32_t payload_left_ = 0;
   // Of the headers that are arriving, so far.
   int64_t block_bytes_ = 0;
-  bool acknowledged_ = false;
-  int calls_before_ack_ = 0;
-  Fault fault_ = Fault::kNone;
+  bool is_headers_without_end_ = false;
 };
 
 }  // namespace treeline::flood_guard

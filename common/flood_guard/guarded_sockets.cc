@@ -54,9 +54,13 @@ int PortOf(const sockaddr_storage& address) {
 std::string PeerText(const sockaddr_storage& address) {
   std::array<char, INET6_ADDRSTRLEN> text = {};
   if (address.ss_family == AF_INET6) {
-    inet_ntop(AF_INET6,
-              &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr,
-              text.data(), text.size());
+    const in6_addr& v6 =
+        reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+    if (IN6_IS_ADDR_V4MAPPED(&v6)) {
+      inet_ntop(AF_INET, &v6.s6_addr[12], text.data(), text.size());
+      return absl::StrCat(text.data(), ":", PortOf(address));
+    }
+    inet_ntop(AF_INET6, &v6, text.data(), text.size());
     return absl::StrCat("[", text.data(), "]:", PortOf(address));
   }
   inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(address).sin_addr,

@@ -74,19 +74,12 @@ WatchedConnection::Verdict WatchedConnection::TakeHello(
 
 bool WatchedConnection::CountFrames(absl::string_view bytes) {
   FrameCounts counts;
-  frames_.Count(bytes, counts);
-  switch (frames_.fault()) {
-    case FrameCounter::Fault::kNone:
-      if (guard_->Draw(address_, peer_, counts)) return true;
-      is_cut_ = true;
-      return false;
-    case FrameCounter::Fault::kHeaderBlock:
-      Cut(CutReason::kHeaderBlock);
-      return false;
-    case FrameCounter::Fault::kNotAcknowledged:
-      Cut(CutReason::kNotAcknowledged);
-      return false;
+  if (!frames_.Count(bytes, counts)) {
+    Cut(CutReason::kHeaderBlock);
+    return false;
   }
+  if (guard_->Draw(address_, peer_, counts)) return true;
+  is_cut_ = true;
   return false;
 }
 

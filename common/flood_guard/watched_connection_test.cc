@@ -61,10 +61,13 @@ TEST_F(WatchedConnectionTest, HttpIsCountedFromTheFirstByte) {
   EXPECT_EQ(guard_->cuts(CutReason::kCalls), 1u);
 }
 
-TEST_F(WatchedConnectionTest, FaultsCutWhateverTheRate) {
+TEST_F(WatchedConnectionTest, HeadersWithoutEndCutWhateverTheRate) {
   const auto watched = Open();
-  EXPECT_EQ(watched->Receive(kTestPreface + Calls(1025)), Verdict::kCut);
-  EXPECT_EQ(guard_->cuts(CutReason::kNotAcknowledged), 1u);
+  EXPECT_EQ(watched->Receive(kTestPreface +
+                             TestFrame(kTestHeaders, 0, 1,
+                                       std::string(70000, 'h'))),
+            Verdict::kCut);
+  EXPECT_EQ(guard_->cuts(CutReason::kHeaderBlock), 1u);
 }
 
 TEST_F(WatchedConnectionTest, TlsIsCountedWhenItIsDecrypted) {

@@ -184,7 +184,7 @@ void AddTrust(Table& table) {
             {.name = "flood_open_calls",
              .help = "Calls over gRPC that one address may have open before "
                      "its connections are cut off",
-             .min = 1,
+             .min = 10,
              .max = 1e6});
   table.Add(&ServerConfig::flood_connections,
             {.name = "flood_connections",

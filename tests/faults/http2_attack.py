@@ -175,21 +175,23 @@ class Attack:
     """One connection, which is attacked with what `make` makes."""
 
     def __init__(self, address, make, authority=None, path=LOCALIZE,
-                 read=True):
+                 read=True, acknowledge=True, source="127.0.0.1"):
         host, port = address.rsplit(":", 1)
         self.make = make
         self.calls = Calls(path)
         self.read = read
         self.index = 0
         self.cut = False
-        self.socket = socket.create_connection((host, int(port)), 10)
+        self.socket = socket.create_connection((host, int(port)), 10,
+                                               (source, 0))
         try:
             if authority is not None:
                 context = ssl.create_default_context(cafile=authority)
                 context.set_alpn_protocols(["h2"])
                 self.socket = context.wrap_socket(self.socket,
                                                   server_hostname=host)
-            self._send(PREFACE + frame(SETTINGS))
+            self._send(PREFACE + frame(SETTINGS) +
+                       (frame(SETTINGS, ACK) if acknowledge else b""))
         except OSError:
             self.cut = True
 
