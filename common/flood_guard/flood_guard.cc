@@ -27,8 +27,8 @@ constexpr double kReportInterval_s = 1;
 absl::Status FloodLimits::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("calls a second of an address", calls_per_s, 1, 1e9));
-  TL_RETURN_IF_ERROR(base::CheckRange("open calls of an address",
-                                      static_cast<double>(open_calls), 10, 1e9));
+  TL_RETURN_IF_ERROR(base::CheckRange(
+      "open calls of an address", static_cast<double>(open_calls), 10, 1e9));
   return base::CheckRange("connections of an address", connections, 1, 1e6);
 }
 

@@ -23,13 +23,13 @@ namespace treeline::flood_guard {
 
 // Of each address. IPv6 addresses count by their first 64 bits.
 struct FloodLimits {
-  // Calls that begin in a second, 1..1e9; a second's worth may come at once, but
-  // not more than may be open. Each connection counts like
+  // Calls that begin in a second, 1..1e9; a second's worth may come at once,
+  // but not more than may be open. Each connection counts like
   // kCallsOfAConnection of them; new ones leave a quarter to the calls of
   // those that are there.
-  double calls_per_s = 1000;
+  double calls_per_s = 500;
   // Calls that are open at a time, 10..1e9.
-  int64_t open_calls = 4096;
+  int64_t open_calls = 2048;
   // Connections at a time, 1..1e6.
   int connections = 1024;
 
@@ -39,7 +39,8 @@ struct FloodLimits {
 // What making a connection costs, handshake included, in calls.
 inline constexpr int kCallsOfAConnection = 5;
 // A call is HEADERS, a message, its end, perhaps a reset, and some changes of
-// windows: frames other than a call's first, and without payload, for each call.
+// windows: frames other than a call's first, and without payload, for each
+// call.
 inline constexpr int kFramesOfACall = 10;
 
 // Why a connection was cut off, or not let in.

@@ -43,11 +43,11 @@ TEST(FrameCounter, APayloadIsNotAFrame) {
 }
 
 TEST(FrameCounter, ACallWithItsMessageIsOneCallAndLittleElse) {
-  EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestHeaders, 4, 1, "block") +
-                                 TestFrame(kTestData, 0, 1,
-                                           std::string(16384, 'x')) +
-                                 TestFrame(kTestData, 1, 1, "end"))),
-            (FrameCounts{.calls = 1, .frames = 1}));
+  EXPECT_EQ(
+      CountOf(AfterPreface(TestFrame(kTestHeaders, 4, 1, "block") +
+                           TestFrame(kTestData, 0, 1, std::string(16384, 'x')) +
+                           TestFrame(kTestData, 1, 1, "end"))),
+      (FrameCounts{.calls = 1, .frames = 1}));
 }
 
 TEST(FrameCounter, EveryFrameThatBringsNothingCounts) {
@@ -89,8 +89,7 @@ TEST(FrameCounter, WhatIsNoHttp2IsNotCounted) {
   const std::string frames = TestFrame(kTestHeaders, 4, 1, "block");
   EXPECT_EQ(CountOf(frames), FrameCounts());
   EXPECT_EQ(CountOf("GET / HTTP/1.1\r\n\r\n" + frames), FrameCounts());
-  EXPECT_EQ(CountOf("PRI * HTTP/2.0\r\n\r\nSM\r\n\rX" + frames),
-            FrameCounts());
+  EXPECT_EQ(CountOf("PRI * HTTP/2.0\r\n\r\nSM\r\n\rX" + frames), FrameCounts());
 }
 
 }  // namespace

@@ -104,8 +104,8 @@ class Connections {
     }
     std::shared_ptr<FloodGuard> guard = GuardOf(PortOf(local));
     if (guard == nullptr) return true;
-    Watched watched = WatchedConnection::Open(
-        std::move(guard), AddressKey(peer), PeerText(peer));
+    Watched watched = WatchedConnection::Open(std::move(guard),
+                                              AddressKey(peer), PeerText(peer));
     if (watched == nullptr) return false;
     const absl::MutexLock lock(&mutex_);
     by_fd_[fd] = Entry{InodeOf(fd), std::move(watched), ""};
@@ -260,8 +260,8 @@ class TlsSessions {
     std::array<unsigned char, SSL3_RANDOM_SIZE> random = {};
     const size_t size =
         SSL_get_client_random(ssl, random.data(), random.size());
-    return Connections::Get().FindTls(absl::string_view(
-        reinterpret_cast<const char*>(random.data()), size));
+    return Connections::Get().FindTls(
+        absl::string_view(reinterpret_cast<const char*>(random.data()), size));
   }
 
   const int index_;
@@ -325,7 +325,8 @@ extern "C" int accept4(int fd, sockaddr* address, socklen_t* size, int flags) {
 extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
   using treeline::flood_guard::Connections;
   const ssize_t size = treeline::flood_guard::NextRecvmsg(fd, message, flags);
-  if (!Connections::Get().active() || (flags & (MSG_PEEK | MSG_ERRQUEUE)) != 0) {
+  if (!Connections::Get().active() ||
+      (flags & (MSG_PEEK | MSG_ERRQUEUE)) != 0) {
     return size;
   }
   if (size < 0) return size;

@@ -48,8 +48,8 @@ class GuardedSocketsTest : public ::testing::Test {
   static ssize_t Receive(int fd) {
     std::array<char, 100> first = {};
     std::array<char, 1 << 16> rest = {};
-    std::array<iovec, 2> pieces = {{{first.data(), first.size()},
-                                    {rest.data(), rest.size()}}};
+    std::array<iovec, 2> pieces = {
+        {{first.data(), first.size()}, {rest.data(), rest.size()}}};
     msghdr message = {};
     message.msg_iov = pieces.data();
     message.msg_iovlen = pieces.size();

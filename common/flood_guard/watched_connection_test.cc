@@ -35,8 +35,8 @@ std::string Calls(int count) {
 // The first bytes of a ClientHello in a record that says it is this long.
 std::string Hello(int record_bytes, const std::string& random) {
   return std::string("\x16\x03\x01") + static_cast<char>(record_bytes >> 8) +
-         static_cast<char>(record_bytes) + std::string("\x01\0\x01\xfc\x03\x03", 6) +
-         random;
+         static_cast<char>(record_bytes) +
+         std::string("\x01\0\x01\xfc\x03\x03", 6) + random;
 }
 
 const std::string& kRandom = *new std::string(32, 'r');
@@ -63,9 +63,8 @@ TEST_F(WatchedConnectionTest, HttpIsCountedFromTheFirstByte) {
 
 TEST_F(WatchedConnectionTest, HeadersWithoutEndCutWhateverTheRate) {
   const auto watched = Open();
-  EXPECT_EQ(watched->Receive(kTestPreface +
-                             TestFrame(kTestHeaders, 0, 1,
-                                       std::string(70000, 'h'))),
+  EXPECT_EQ(watched->Receive(kTestPreface + TestFrame(kTestHeaders, 0, 1,
+                                                      std::string(70000, 'h'))),
             Verdict::kCut);
   EXPECT_EQ(guard_->cuts(CutReason::kHeaderBlock), 1u);
 }

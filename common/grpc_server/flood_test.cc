@@ -104,9 +104,8 @@ class Attacker {
     std::array<char, 4096> bytes = {};
     while (true) {
       const ssize_t size =
-          ssl_ != nullptr
-              ? SSL_read(ssl_.get(), bytes.data(), bytes.size())
-              : recv(socket_.get(), bytes.data(), bytes.size(), 0);
+          ssl_ != nullptr ? SSL_read(ssl_.get(), bytes.data(), bytes.size())
+                          : recv(socket_.get(), bytes.data(), bytes.size(), 0);
       if (size > 0) continue;
       return size == 0 || (errno != EAGAIN && errno != EWOULDBLOCK);
     }
@@ -162,8 +161,7 @@ class FloodTest : public ::testing::TestWithParam<bool> {
 
 TEST_P(FloodTest, WhoFloodsIsCutOff) {
   Attacker attacker(listener_.address, GetParam());
-  ASSERT_TRUE(attacker.Send(kTestPreface +
-                            TestFrame(kTestSettings, 0, 0, "") +
+  ASSERT_TRUE(attacker.Send(kTestPreface + TestFrame(kTestSettings, 0, 0, "") +
                             TestFrame(kTestSettings, 1, 0, "")));
   for (int i = 0; i < 100 && attacker.Send(Resets(100 * i, 100)); ++i) {
   }
@@ -173,8 +171,7 @@ TEST_P(FloodTest, WhoFloodsIsCutOff) {
 
 TEST_P(FloodTest, WhoStaysBelowTheLimitIsNot) {
   Attacker attacker(listener_.address, GetParam());
-  ASSERT_TRUE(attacker.Send(kTestPreface +
-                            TestFrame(kTestSettings, 0, 0, "") +
+  ASSERT_TRUE(attacker.Send(kTestPreface + TestFrame(kTestSettings, 0, 0, "") +
                             TestFrame(kTestSettings, 1, 0, "") +
                             Resets(0, 200) +
                             // A frame that gRPC itself ends a connection for.
@@ -189,9 +186,8 @@ TEST_P(FloodTest, HeadersWithoutEndAreCutOff) {
   Attacker attacker(listener_.address, GetParam());
   attacker.Send(kTestPreface + TestFrame(kTestSettings, 0, 0, "") +
                 TestFrame(kTestHeaders, 0, 1, "\x83\x86"));
-  const std::string more =
-      TestFrame(flood_guard::kTestContinuation, 0, 1,
-                std::string(8000, '\x83'));
+  const std::string more = TestFrame(flood_guard::kTestContinuation, 0, 1,
+                                     std::string(8000, '\x83'));
   for (int i = 0; i < 50 && attacker.Send(more); ++i) {
   }
   EXPECT_TRUE(attacker.WaitForTheEnd());
@@ -218,11 +214,11 @@ TEST(OpenCalls, AreCountedByAddress) {
   const auto guard = std::make_shared<flood_guard::FloodGuard>(
       flood_guard::FloodLimits{.calls_per_s = 10000, .open_calls = 20}, clock);
   WaitingService service;
-  auto listener = StartGrpcListener(
-      {.listen = "127.0.0.1:0", .guard = guard},
-      [&](grpc::ServerBuilder& builder) {
-        builder.RegisterCallbackGenericService(&service);
-      });
+  auto listener =
+      StartGrpcListener({.listen = "127.0.0.1:0", .guard = guard},
+                        [&](grpc::ServerBuilder& builder) {
+                          builder.RegisterCallbackGenericService(&service);
+                        });
   ASSERT_TRUE(listener.ok()) << listener.status();
   grpc::GenericStub stub(grpc::CreateChannel(
       listener->address, grpc::InsecureChannelCredentials()));

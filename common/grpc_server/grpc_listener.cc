@@ -122,8 +122,8 @@ absl::StatusOr<GrpcListener> StartGrpcListener(
   GrpcListener listener;
   const auto guard_port = [&] {
     if (options.guard == nullptr || address.port == 0) return;
-    listener.guarded_port = std::make_unique<flood_guard::GuardedPort>(
-        address.port, options.guard);
+    listener.guarded_port =
+        std::make_unique<flood_guard::GuardedPort>(address.port, options.guard);
   };
   // Before anybody connects; who knows of a port that is still to be chosen?
   guard_port();

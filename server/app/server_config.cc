@@ -365,7 +365,8 @@ std::optional<flood_guard::FloodLimits> FloodLimitsOf(
     const ServerConfig& config, unsigned processors) {
   if (config.flood_limit == 0) return std::nullopt;
   return flood_guard::FloodLimits{
-      .calls_per_s = std::max(1.0, config.flood_limit * std::max(1U, processors)),
+      .calls_per_s =
+          std::max(1.0, config.flood_limit * std::max(1U, processors)),
       .open_calls = config.flood_open_calls,
       .connections = config.flood_connections};
 }

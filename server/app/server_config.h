@@ -50,8 +50,8 @@ struct ServerConfig {
   std::string auth_audience;
   double rate_limit = 0;
   double rate_burst = 10;
-  double flood_limit = 1000;
-  int flood_open_calls = 4096;
+  double flood_limit = 500;
+  int flood_open_calls = 2048;
   int flood_connections = 1024;
 
   // Capacity.

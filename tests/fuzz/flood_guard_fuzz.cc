@@ -43,8 +43,8 @@ std::pair<FrameCounts, bool> Count(absl::string_view bytes, size_t step) {
 // The first bytes decide between HTTP/2 and TLS.
 void Watch(absl::string_view bytes, size_t step) {
   const treeline::base::SteadyClock clock;
-  const auto guard = std::make_shared<FloodGuard>(
-      treeline::flood_guard::FloodLimits(), clock);
+  const auto guard =
+      std::make_shared<FloodGuard>(treeline::flood_guard::FloodLimits(), clock);
   const auto watched = WatchedConnection::Open(guard, "a", "a:1");
   Check(watched != nullptr);
   while (!bytes.empty()) {
