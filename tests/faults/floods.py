@@ -156,8 +156,11 @@ def floods(setup, row):
         if setup.quick:
             row.figure(f"{name}: p99 (ms)", p99_of(run))
         else:
+            # Each address has an allowance of its own, which takes the
+            # server some hundredths of a second at once.
+            slack_ms = 100 * min(kind[2], len(ATTACKERS))
             row.require(f"{name}: p99 (ms)", p99_of(run), "<=",
-                        round(max(2 * usual_p99, usual_p99 + 150), 1))
+                        round(max(2 * usual_p99, usual_p99 + slack_ms), 1))
         row.require(f"{name}: MiB more", round(peak_mib, 1), "<=", 256)
         row.require(f"{name}: processors more", round(cpus - usual_cpus, 2),
                     "<=", 0.75)
@@ -200,9 +203,10 @@ def lookalikes(setup, row):
     setup.need("--flood-limit")
     server = Server(setup, setup.models(), "--workers", "1")
     seconds = setup.seconds(8, 3)
-    # Each of them 30 times a second, and gives up after 30 ms.
-    impatient = Bench(setup, [server], "--rate", 10 * 30, "--deadline-ms", "30",
-                      "--no-reference", "--duration", seconds)
+    # Ten of them, each 30 times a second; most are cancelled within 20 ms.
+    impatient = Bench(setup, [server], "--rate", 10 * 30, "--cancel-share",
+                      "0.9", "--cancel-after-ms", "20", "--no-reference",
+                      "--duration", seconds)
     busy = Bench(setup, [server], "--concurrency", "32", "--no-reference",
                  "--duration", seconds)
     stream = Bench(setup, [server], "--concurrency", "4", "--stream", "4",
@@ -220,6 +224,9 @@ def lookalikes(setup, row):
                        ("stream", stream)):
         run = load.result()["runs"][0]
         row.figure(f"{name}: calls", run["counts"])
+        if load is impatient:
+            row.require("cancelled calls", run["counts"]["cancelled"], ">",
+                        100)
         row.require(f"{name}: failed", run["counts"]["failed"], "==", 0)
     row.require("watchers that are still there", pinged, "==", len(watchers))
     row.require("watchers cut off", sum(watcher.wait_cut(0.01)
