@@ -153,6 +153,9 @@ bool FloodGuard::Draw(const std::string& key, absl::string_view peer,
   {
     const absl::MutexLock lock(&mutex_);
     Address& address = Find(key);
+    address.calls = std::min(
+        burst_, address.calls + static_cast<double>(counts.payload_bytes) /
+                                    kPayloadOfACall);
     const auto calls = static_cast<double>(counts.calls);
     const auto frames = static_cast<double>(counts.frames);
     if (calls > address.calls) {

@@ -67,6 +67,19 @@ TEST(FloodGuard, NoMoreBeginAtOnceThanMayBeOpen) {
   EXPECT_EQ(guard.cuts(CutReason::kCalls), 1u);
 }
 
+// 1000 calls a second where 100 are allowed, each with its picture.
+TEST_F(FloodGuardTest, PayloadPaysForCalls) {
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(guard_.Draw("a", "a:1", {.calls = 1}));
+    ASSERT_TRUE(guard_.Draw("a", "a:1", {.payload_bytes = 20000}));
+    Pass(0.001);
+  }
+  // But nothing is saved up.
+  ASSERT_TRUE(guard_.Draw("a", "a:1", {.payload_bytes = 1 << 30}));
+  EXPECT_TRUE(Calls("a", 100));
+  EXPECT_FALSE(Calls("a", 1));
+}
+
 TEST_F(FloodGuardTest, FramesHaveALimitOfTheirOwn) {
   EXPECT_TRUE(Calls("a", 0, 1000));
   EXPECT_FALSE(Calls("a", 0, 1));

@@ -21,6 +21,7 @@ bool FrameCounter::Count(absl::string_view bytes, FrameCounts& counts) {
     } else if (payload_left_ > 0) {
       const size_t skipped = std::min<size_t>(payload_left_, bytes.size());
       payload_left_ -= static_cast<uint32_t>(skipped);
+      if (is_data_) counts.payload_bytes += static_cast<int64_t>(skipped);
       bytes.remove_prefix(skipped);
     } else {
       TakeHead(bytes, counts);
@@ -51,6 +52,7 @@ void FrameCounter::Begin(FrameCounts& counts) {
   const uint32_t length = static_cast<uint32_t>(head_[0]) << 16 |
                           static_cast<uint32_t>(head_[1]) << 8 | head_[2];
   payload_left_ = length;
+  is_data_ = head_[3] == kData;
   switch (head_[3]) {
     case kHeaders:
       block_bytes_ = 0;

@@ -18,6 +18,8 @@ struct FrameCounts {
   int64_t calls = 0;
   // All other frames but DATA that carries kMinPayload bytes or more.
   int64_t frames = 0;
+  // What has arrived in DATA.
+  int64_t payload_bytes = 0;
 
   friend bool operator==(const FrameCounts&, const FrameCounts&) = default;
 };
@@ -56,6 +58,7 @@ class FrameCounter {
   size_t head_bytes_ = 0;
   // Of the frame, still to come.
   uint32_t payload_left_ = 0;
+  bool is_data_ = false;
   // Of the headers that are arriving, so far.
   int64_t block_bytes_ = 0;
   bool is_headers_without_end_ = false;

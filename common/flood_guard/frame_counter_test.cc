@@ -39,7 +39,7 @@ TEST(FrameCounter, APayloadIsNotAFrame) {
   const std::string payload =
       TestFrame(kTestHeaders, 4, 3, "xyz") + std::string(200, 'x');
   EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestData, 0, 1, payload))),
-            FrameCounts());
+            FrameCounts{.payload_bytes = static_cast<int64_t>(payload.size())});
 }
 
 TEST(FrameCounter, ACallWithItsMessageIsOneCallAndLittleElse) {
@@ -47,7 +47,16 @@ TEST(FrameCounter, ACallWithItsMessageIsOneCallAndLittleElse) {
       CountOf(AfterPreface(TestFrame(kTestHeaders, 4, 1, "block") +
                            TestFrame(kTestData, 0, 1, std::string(16384, 'x')) +
                            TestFrame(kTestData, 1, 1, "end"))),
-      (FrameCounts{.calls = 1, .frames = 1}));
+      (FrameCounts{.calls = 1, .frames = 1, .payload_bytes = 16387}));
+}
+
+TEST(FrameCounter, WhatIsOnlyAnnouncedIsNoPayload) {
+  const std::string frame = TestFrame(kTestData, 0, 1, std::string(1000, 'x'));
+  EXPECT_EQ(CountOf(AfterPreface(frame.substr(0, 109))),
+            FrameCounts{.payload_bytes = 100});
+  EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestSettings, 0, 0,
+                                           std::string(1000, 'x')))),
+            FrameCounts{.frames = 1});
 }
 
 TEST(FrameCounter, EveryFrameThatBringsNothingCounts) {

@@ -122,11 +122,6 @@ class Connections {
     return nullptr;
   }
 
-  void Remove(int fd) {
-    const absl::MutexLock lock(&mutex_);
-    by_fd_.erase(fd);
-  }
-
   // From now on FindTls finds it. False: its random bytes are another's.
   bool Claim(int fd, const Watched& watched) {
     std::string random = watched->client_random();
@@ -329,13 +324,9 @@ extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
       (flags & (MSG_PEEK | MSG_ERRQUEUE)) != 0) {
     return size;
   }
-  if (size < 0) return size;
+  if (size <= 0) return size;
   const auto watched = Connections::Get().Find(fd);
   if (watched == nullptr) return size;
-  if (size == 0) {
-    Connections::Get().Remove(fd);
-    return size;
-  }
   if (treeline::flood_guard::MayHandOn(fd, watched, *message,
                                        static_cast<size_t>(size))) {
     return size;

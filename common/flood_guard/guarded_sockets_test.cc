@@ -110,6 +110,18 @@ TEST_F(GuardedSocketsTest, AFloodLooksLikeAReset) {
   EXPECT_EQ(Receive(again.get()), 0);
 }
 
+// gRPC asks for nothing now and then, which is not the end.
+TEST_F(GuardedSocketsTest, WhoReadsNothingIsStillWatched) {
+  Guard();
+  const base::Descriptor client(Connect());
+  const base::Descriptor server(Accept());
+  Send(client.get(), kTestPreface + Flood());
+  msghdr nothing = {};
+  EXPECT_EQ(recvmsg(server.get(), &nothing, 0), 0);
+  EXPECT_EQ(Receive(server.get()), -1);
+  EXPECT_EQ(errno, ECONNRESET);
+}
+
 TEST_F(GuardedSocketsTest, OtherPortsAreNotWatched) {
   const base::Descriptor client(Connect());
   const base::Descriptor server(Accept());

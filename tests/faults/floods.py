@@ -20,6 +20,7 @@ FLOODS = {
     "resets": (attack.resets, None, 1, False),
     "resets over TLS": (attack.resets, None, 1, True),
     "resets with data": (attack.resets_after_data, None, 1, False),
+    "resets with 16 KiB": (attack.resets_after_payload, None, 1, False),
     "resets on 12 connections": (attack.resets, None, 12, False),
     "resets at 1000/s": (attack.resets, 1000, 1, False),
     "calls without end": (attack.calls_without_end, None, 1, False),
@@ -100,13 +101,13 @@ class Flood:
 
 
 def flooded(setup, server, kind, authority, trust):
-    """(run of honest clients, flood, processors, MiB at the peak)."""
+    """(run of honest clients, flood, processors, MiB at the peak that the
+    server had not when it began to serve)."""
     _, others = setup.split_cores()
     # The attackers are threads of this process.
     os.sched_setaffinity(0, others)
     seconds = setup.seconds(5, 2)
     pathlib.Path(f"/proc/{server.pid}/clear_refs").write_text("5")
-    resident = server.status_kib("VmRSS")
     spent, start = processor_s(server), time.monotonic()
     flood = Flood(server.address, kind, authority) if kind else None
     run = bench(setup, [server], *trust, "--rate", HONEST_RATE, "--duration",
@@ -116,7 +117,7 @@ def flooded(setup, server, kind, authority, trust):
     os.sched_setaffinity(0, setup.cores)
     # A server that has fallen behind still works.
     spent_s, took_s = processor_s(server) - spent, time.monotonic() - start
-    peak_mib = (server.status_kib("VmHWM") - resident) / 1024
+    peak_mib = (server.status_kib("VmHWM") - server.began_kib) / 1024
     return run, flood, spent_s / took_s, peak_mib
 
 
@@ -131,9 +132,15 @@ def guarded_servers(setup):
     credentials = Credentials(setup.folder("tls"))
     credentials.put(authority.issue("flooded", -60, day()))
     cpus, _ = setup.split_cores()
-    return (Server(setup, setup.models(), cpus=cpus),
-            Server(setup, setup.models(), *credentials.flags(), cpus=cpus),
-            authority.ca)
+    servers = (Server(setup, setup.models(), cpus=cpus),
+               Server(setup, setup.models(), *credentials.flags(), cpus=cpus))
+    for server in servers:
+        # With its scene.
+        bench(setup, [server], *(("--tls-ca", authority.ca)
+                                 if server is servers[1] else ()),
+              "--duration", "0.5", "--no-reference")
+        server.began_kib = server.status_kib("VmRSS")
+    return *servers, authority.ca
 
 
 @fault("http2-floods", "frames without queries, as many as can be sent: honest "

@@ -82,6 +82,13 @@ def resets_after_data(calls, _):
             frame(RST_STREAM, 0, calls.stream, bytes(4)))
 
 
+def resets_after_payload(calls, _):
+    """The same with as much of a message as pays for a call."""
+    return (calls.open() + frame(DATA, 0, calls.stream,
+                                 b"\0\0\x10\0\0" + bytes(16379)) +
+            frame(RST_STREAM, 0, calls.stream, bytes(4)))
+
+
 def calls_without_end(calls, _):
     """More calls than a connection may have, none of which goes on."""
     return calls.open()
