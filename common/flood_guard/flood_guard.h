@@ -38,8 +38,8 @@ struct FloodLimits {
 
 // What making a connection costs, handshake included, in calls.
 inline constexpr int kCallsOfAConnection = 5;
-// So much of DATA pays for a call: queries carry pictures, and who sends as many
-// bytes is no cheap attacker.
+// So much of DATA pays for a call: queries carry pictures, and who sends as
+// many bytes is no cheap attacker.
 inline constexpr double kPayloadOfACall = 16 * 1024;
 // A call is HEADERS, a message, its end, perhaps a reset, and some changes of
 // windows: frames other than a call's first, and without payload, for each

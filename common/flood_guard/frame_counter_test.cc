@@ -54,8 +54,8 @@ TEST(FrameCounter, WhatIsOnlyAnnouncedIsNoPayload) {
   const std::string frame = TestFrame(kTestData, 0, 1, std::string(1000, 'x'));
   EXPECT_EQ(CountOf(AfterPreface(frame.substr(0, 109))),
             FrameCounts{.payload_bytes = 100});
-  EXPECT_EQ(CountOf(AfterPreface(TestFrame(kTestSettings, 0, 0,
-                                           std::string(1000, 'x')))),
+  EXPECT_EQ(CountOf(AfterPreface(
+                TestFrame(kTestSettings, 0, 0, std::string(1000, 'x')))),
             FrameCounts{.frames = 1});
 }
 
