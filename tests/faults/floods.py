@@ -42,7 +42,7 @@ FLOODS = {
     "repeated headers": (attack.repeated_headers, None, 1, False),
     "headers that fill the table": (attack.table_churn, None, 1, False),
 }
-QUICK = ("resets", "resets over TLS", "CONTINUATION")
+QUICK = ("resets", "resets over TLS")
 
 
 def processor_s(server):
