@@ -65,7 +65,7 @@ class GuardedSocketsTest : public ::testing::Test {
 
   const base::Descriptor listener_;
   sockaddr_in address_ = {};
-  const base::SteadyClock clock_;
+  const base::SteadyClock clock_{};
   const std::shared_ptr<FloodGuard> guard_ = std::make_shared<FloodGuard>(
       FloodLimits{.calls_per_s = 100, .connections = 3}, clock_);
   std::unique_ptr<GuardedPort> port_;

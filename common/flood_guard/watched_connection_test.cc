@@ -19,7 +19,7 @@ class WatchedConnectionTest : public ::testing::Test {
     return WatchedConnection::Open(guard_, "a", "a:1");
   }
 
-  const base::SteadyClock clock_;
+  const base::SteadyClock clock_{};
   const std::shared_ptr<FloodGuard> guard_ = std::make_shared<FloodGuard>(
       FloodLimits{.calls_per_s = 1000, .connections = 2}, clock_);
 };

@@ -151,7 +151,7 @@ class FloodTest : public ::testing::TestWithParam<bool> {
     listener_.server->Shutdown(std::chrono::system_clock::now());
   }
 
-  const base::SteadyClock clock_;
+  const base::SteadyClock clock_{};
   const std::shared_ptr<flood_guard::FloodGuard> guard_ =
       std::make_shared<flood_guard::FloodGuard>(
           flood_guard::FloodLimits{.calls_per_s = 500}, clock_);
