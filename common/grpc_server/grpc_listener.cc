@@ -14,6 +14,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
+#include "common/grpc_server/call_counter.h"
 
 namespace treeline::grpc_server {
 namespace {
@@ -116,19 +117,29 @@ absl::StatusOr<GrpcListener> StartGrpcListener(
   SetServices(options, builder);
   SetSizes(options, builder);
   SetTimes(options, builder);
+  if (options.guard != nullptr) CountCalls(options.guard, builder);
   add_services(builder);
+  GrpcListener listener;
+  const auto guard_port = [&] {
+    if (options.guard == nullptr || address.port == 0) return;
+    listener.guarded_port =
+        std::make_unique<flood_guard::GuardedPort>(address.port, options.guard);
+  };
+  // Before anybody connects; who knows of a port that is still to be chosen?
+  guard_port();
   int port = 0;
   builder.AddListeningPort(address.ToString(),
                            options.credentials != nullptr
                                ? options.credentials
                                : grpc::InsecureServerCredentials(),
                            &port);
-  GrpcListener listener{.address = {}, .server = builder.BuildAndStart()};
+  listener.server = builder.BuildAndStart();
   if (listener.server == nullptr || port == 0) {
     return absl::UnavailableError(
         absl::StrCat("cannot listen on ", address.ToString()));
   }
   address.port = port;
+  if (listener.guarded_port == nullptr) guard_port();
   listener.address = address.ToString();
   return listener;
 }

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/flood_guard/flood_guard.h"
+#include "common/flood_guard/guarded_sockets.h"
 
 namespace treeline::grpc_server {
 
@@ -55,11 +57,16 @@ struct GrpcListenerOptions {
   // have `connection_grace_s` to end.
   int max_connection_age_s = 0;
   int connection_grace_s = 60;
+  // Cuts off connections that flood the listener; null: none are. Listeners
+  // may share one, and it lives as long as their connections.
+  std::shared_ptr<flood_guard::FloodGuard> guard = nullptr;
 };
 
 struct GrpcListener {
   // HOST:PORT with the port that was bound.
   std::string address;
+  // Null: there is no guard.
+  std::unique_ptr<flood_guard::GuardedPort> guarded_port;
   // Never null. Its owner shuts it down.
   std::unique_ptr<grpc::Server> server;
 };

@@ -27,6 +27,7 @@
 #include "server/app/call_spans.h"
 #include "server/app/failed_query_folder.h"
 #include "server/app/failed_query_recorder.h"
+#include "server/app/flood_protection.h"
 #include "server/app/model_supply.h"
 #include "server/app/process_metrics.h"
 #include "server/app/recording_dispatcher.h"
@@ -188,7 +189,11 @@ struct Application::Parts {
         call_spans(MakeCallSpans()),
         observers(Observers()) {}
   // Downloads must not outlast the rest.
-  ~Parts() { stop_downloads.request_stop(); }
+  ~Parts() {
+    stop_downloads.request_stop();
+    // Connections may hold it longer.
+    if (flood_guard != nullptr) flood_guard->StopReporting();
+  }
 
   std::vector<service::CallObserver*> Observers() {
     std::vector<service::CallObserver*> all{&metrics, &call_log};
@@ -239,6 +244,8 @@ struct Application::Parts {
   std::unique_ptr<RecordingDispatcher> recording;
   // The one of the two that the listeners call.
   service::Dispatcher* dispatcher = nullptr;
+  // Null: nobody is cut off.
+  std::shared_ptr<flood_guard::FloodGuard> flood_guard;
   std::unique_ptr<service::GrpcServer> grpc;
   std::unique_ptr<service::GrpcServer> admin;
   std::unique_ptr<gateway::Gateway> gateway;
@@ -315,6 +322,7 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
 absl::Status Application::Parts::StartListeners(const ServerConfig& config) {
   service::GrpcServerOptions options = GrpcOptionsOf(config);
   options.budget = &budget;
+  options.guard = flood_guard;
   if (certificates != nullptr) {
     options.credentials = access::MakeServerCredentials(*certificates);
     options.certificate_names = [](const grpc::AuthContext& context) {
@@ -398,6 +406,7 @@ void Application::Parts::AddMetrics() {
   AddSceneMetrics(registry, [this] { return FiguresOf(*repository); });
   if (recorder != nullptr) AddRecorderMetrics(registry, *recorder);
   if (tracing != nullptr) AddTracingMetrics(registry, *tracing);
+  if (flood_guard != nullptr) AddFloodMetrics(registry, flood_guard);
 }
 
 Application::Application(std::unique_ptr<Parts> parts)
@@ -423,6 +432,7 @@ absl::StatusOr<std::unique_ptr<Application>> Application::Start(
   parts->service = std::make_unique<service::ServiceDispatcher>(
       *parts->repository, parts->access, parts->observers, clock, options);
   TL_RETURN_IF_ERROR(parts->StartRecorder(config));
+  parts->flood_guard = MakeFloodGuard(config, log, clock);
   parts->AddMetrics();
   TL_RETURN_IF_ERROR(parts->StartListeners(config));
   TL_RETURN_IF_ERROR(parts->StartGateway(config));

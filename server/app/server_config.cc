@@ -1,5 +1,6 @@
 #include "server/app/server_config.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "absl/strings/match.h"
@@ -171,6 +172,25 @@ void AddTrust(Table& table) {
              .min = 1,
              .max = 1e6,
              .live = true});
+  table.Add(&ServerConfig::flood_limit,
+            {.name = "flood_limit",
+             .value_name = "PER_SECOND",
+             .help = "Calls a second, for each processor of this machine, that "
+                     "one address may begin over gRPC before its connections "
+                     "are cut off; 0: none are cut off for anything",
+             .min = 0,
+             .max = 1e6});
+  table.Add(&ServerConfig::flood_open_calls,
+            {.name = "flood_open_calls",
+             .help = "Calls over gRPC that one address may have open before "
+                     "its connections are cut off",
+             .min = 10,
+             .max = 1e6});
+  table.Add(&ServerConfig::flood_connections,
+            {.name = "flood_connections",
+             .help = "Connections of gRPC that one address may have",
+             .min = 1,
+             .max = 1e6});
 }
 
 void AddCapacity(Table& table) {
@@ -339,6 +359,16 @@ service::GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
   options.max_message_mib = config.max_message_mib;
   options.max_connection_age_s = static_cast<int>(config.max_connection_age_s);
   return options;
+}
+
+std::optional<flood_guard::FloodLimits> FloodLimitsOf(
+    const ServerConfig& config, unsigned processors) {
+  if (config.flood_limit == 0) return std::nullopt;
+  return flood_guard::FloodLimits{
+      .calls_per_s =
+          std::max(1.0, config.flood_limit * std::max(1U, processors)),
+      .open_calls = config.flood_open_calls,
+      .connections = config.flood_connections};
 }
 
 service::DispatcherOptions DispatcherOptionsOf(const ServerConfig& config) {

@@ -2,12 +2,14 @@
 #ifndef SERVER_APP_SERVER_CONFIG_H_
 #define SERVER_APP_SERVER_CONFIG_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/config/config_table.h"
+#include "common/flood_guard/flood_guard.h"
 #include "common/tracing/tracing_options.h"
 #include "server/service/grpc_server.h"
 #include "server/service/service_dispatcher.h"
@@ -48,6 +50,9 @@ struct ServerConfig {
   std::string auth_audience;
   double rate_limit = 0;
   double rate_burst = 10;
+  double flood_limit = 500;
+  int flood_open_calls = 2048;
+  int flood_connections = 1024;
 
   // Capacity.
   int workers = 0;
@@ -88,6 +93,9 @@ absl::StatusOr<tracing::TracingOptions> TracingOptionsOf(
 
 // Of the public listener.
 service::GrpcServerOptions GrpcOptionsOf(const ServerConfig& config);
+// Of a machine with so many processors; nullopt: no limits are wanted.
+std::optional<flood_guard::FloodLimits> FloodLimitsOf(
+    const ServerConfig& config, unsigned processors);
 service::DispatcherOptions DispatcherOptionsOf(const ServerConfig& config);
 
 }  // namespace treeline::server_app

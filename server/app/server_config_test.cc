@@ -54,6 +54,21 @@ TEST(ServerConfig, EverySettingHasOneNameAndHelp) {
   }
 }
 
+TEST(ServerConfig, FloodLimitsFollowTheProcessors) {
+  ServerConfig config;
+  config.flood_limit = 300;
+  config.flood_open_calls = 20;
+  const auto limits = FloodLimitsOf(config, 4);
+  ASSERT_TRUE(limits.has_value());
+  EXPECT_EQ(limits->calls_per_s, 1200);
+  EXPECT_EQ(limits->open_calls, 20);
+  EXPECT_TRUE(limits->Validate().ok());
+  // Of a machine that does not say.
+  EXPECT_EQ(FloodLimitsOf(config, 0)->calls_per_s, 300);
+  config.flood_limit = 0;
+  EXPECT_FALSE(FloodLimitsOf(config, 4).has_value());
+}
+
 TEST(ServerConfig, WhatBelongsTogetherIsGivenTogether) {
   EXPECT_THAT(ErrorOf({{"tls_cert", "c"}}), HasSubstr("--tls-key"));
   EXPECT_THAT(ErrorOf({{"tls_key", "k"}}), HasSubstr("--tls-cert"));

@@ -50,7 +50,8 @@ grpc_server::GrpcListenerOptions ListenerOptionsOf(
       .max_calls_of_connection = kMaxStreams,
       .keepalive_without_calls = true,
       .max_connection_age_s = options.max_connection_age_s,
-      .connection_grace_s = options.connection_grace_s};
+      .connection_grace_s = options.connection_grace_s,
+      .guard = options.guard};
   // It tells much about peers: not to everyone.
   if (options.kind == ListenerKind::kAdmin) {
     listener.plugins.push_back(

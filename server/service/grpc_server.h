@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/byte_budget.h"
 #include "common/base/clock.h"
+#include "common/flood_guard/flood_guard.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/dispatcher.h"
 #include "server/service/grpc_call.h"
@@ -52,6 +53,8 @@ struct GrpcServerOptions {
   // streams have `connection_grace_s`.
   int max_connection_age_s = 600;
   int connection_grace_s = 60;
+  // Cuts off connections that flood it; null: none are.
+  std::shared_ptr<flood_guard::FloodGuard> guard = nullptr;
 
   absl::Status Validate() const;
 };

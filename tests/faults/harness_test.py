@@ -3,7 +3,7 @@
 import struct
 import unittest
 
-from cluster import answer_to, configuration
+from cluster import HAPROXY_CONFIGURATION, ROOT, answer_to, configuration
 from harness import FaultError, Metrics, Row, calls, lost, worst_p99
 from load import server_counts, total
 
@@ -104,6 +104,17 @@ class ClusterTest(unittest.TestCase):
         for text in ("b", "a a"):
             with self.assertRaises(FaultError):
                 configuration(text, [("a", "c")])
+
+
+    def test_all_balancers_that_are_shipped_have_the_same_limits(self):
+        def limits(path):
+            lines = [line.strip() for line in path.read_text().splitlines()]
+            return [line for line in lines if line.startswith(
+                ("stick-table", "tcp-request", "http-request deny",
+                 "tune.h2", "maxconn"))]
+        first = limits(HAPROXY_CONFIGURATION)
+        self.assertEqual(len(first), 6)
+        self.assertEqual(first, limits(ROOT / "deploy" / "haproxy.cfg"))
 
 
 class RunTest(unittest.TestCase):

@@ -18,6 +18,7 @@ import time
 
 import clients  # noqa: F401  (each of these registers its faults)
 import fleet  # noqa: F401
+import floods  # noqa: F401
 import load  # noqa: F401
 import models  # noqa: F401
 import object_store  # noqa: F401
