@@ -26,33 +26,50 @@ struct Surface {
   double variance = 0;
 };
 
-std::vector<Surface> SurfacesIn(const SurfacePoints& points,
-                                const PinholeView& view) {
-  const auto& r = view.camera_from_world_rotation;
-  const auto rotate = [&r](float x, float y, float z) {
-    return geometry::Vec3{r[0] * x + r[1] * y + r[2] * z,
-                          r[3] * x + r[4] * y + r[5] * z,
-                          r[6] * x + r[7] * y + r[8] * z};
-  };
-  std::vector<Surface> surfaces;
-  surfaces.reserve(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
+class Surfaces {
+ public:
+  Surfaces(const SurfacePoints& points, const PinholeView& view)
+      : points_(points), view_(view) {}
+
+  size_t size() const { return points_.size(); }
+
+  // nullopt: it is seen at a flat angle, or fills up a block.
+  std::optional<Surface> At(size_t i) const {
     Surface surface;
-    surface.normal = rotate(points.nx[i], points.ny[i], points.nz[i]);
-    surface.measured = {points.measured_x[i], points.measured_y[i],
-                        points.measured_z[i]};
-    // A surface that is seen at a flat angle, or what fills up a block.
-    if (!(-geometry::Dot(surface.normal, surface.measured) >
-          kMinScaleFacing * geometry::Norm(surface.measured))) {
-      continue;
+    surface.normal = Rotate(points_.nx[i], points_.ny[i], points_.nz[i]);
+    surface.measured = {points_.measured_x[i], points_.measured_y[i],
+                        points_.measured_z[i]};
+    const double facing = -geometry::Dot(surface.normal, surface.measured);
+    if (!(facing > 0 &&
+          facing * facing > kMinScaleFacing * kMinScaleFacing *
+                                geometry::SquaredNorm(surface.measured))) {
+      return std::nullopt;
     }
-    surface.point =
-        rotate(points.x[i] - view.position[0], points.y[i] - view.position[1],
-               points.z[i] - view.position[2]);
-    surface.variance = points.variance[i];
-    surfaces.push_back(surface);
+    surface.point = Rotate(points_.x[i] - view_.position[0],
+                           points_.y[i] - view_.position[1],
+                           points_.z[i] - view_.position[2]);
+    surface.variance = points_.variance[i];
+    return surface;
   }
-  return surfaces;
+
+ private:
+  geometry::Vec3 Rotate(float x, float y, float z) const {
+    const auto& r = view_.camera_from_world_rotation;
+    return {r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z,
+            r[6] * x + r[7] * y + r[8] * z};
+  }
+
+  const SurfacePoints& points_;
+  const PinholeView& view_;
+};
+
+std::vector<Surface> AllOf(const Surfaces& surfaces) {
+  std::vector<Surface> all;
+  all.reserve(surfaces.size());
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    if (const auto surface = surfaces.At(i)) all.push_back(*surface);
+  }
+  return all;
 }
 
 // Of the step of the camera and of log(scale).
@@ -66,18 +83,22 @@ double DistanceOf(const Surface& surface, double scale) {
                        surface.point - scale * surface.measured);
 }
 
-// Geman-McClure's weights, at a scale of `width` standard deviations.
+// Geman-McClure's, at a scale of `width` standard deviations.
+double WeightOf(const Surface& surface, double distance, double width) {
+  const double reach2 = width * width * surface.variance;
+  const double root = reach2 / (reach2 + distance * distance);
+  return root * root / surface.variance;
+}
+
 Sums SumAt(const std::vector<Surface>& surfaces, double scale, double width) {
   Sums sums;
   for (const Surface& surface : surfaces) {
     const double distance = DistanceOf(surface, scale);
-    const double reach2 = width * width * surface.variance;
-    const double root = reach2 / (reach2 + distance * distance);
     const geometry::Vec3 turn = geometry::Cross(surface.point, surface.normal);
     Vector7 j;
     j << surface.normal.x, surface.normal.y, surface.normal.z, turn.x, turn.y,
         turn.z, -scale * geometry::Dot(surface.normal, surface.measured);
-    const double weight = root * root / surface.variance;
+    const double weight = WeightOf(surface, distance, width);
     sums.hessian.noalias() += weight * j * j.transpose();
     sums.gradient.noalias() += weight * distance * j;
   }
@@ -123,7 +144,7 @@ double Agreement(const std::vector<Surface>& surfaces, double scale) {
 std::optional<DepthScale> EstimateDepthScale(
     const SurfacePoints& points, const PinholeView& view,
     const PoseInformation& information) {
-  std::vector<Surface> surfaces = SurfacesIn(points, view);
+  std::vector<Surface> surfaces = AllOf(Surfaces(points, view));
   if (static_cast<int>(surfaces.size()) < kMinScalePoints) return std::nullopt;
   const Matrix6 prior = Eigen::Map<const Matrix6>(information.data());
   double log_scale = std::log(std::max(1e-6, MiddleScale(surfaces)));
@@ -158,23 +179,44 @@ std::optional<DepthScale> EstimateDepthScale(
 std::optional<DepthScale> DepthScaleStep(const SurfacePoints& points,
                                          const PinholeView& view,
                                          const PoseInformation& information) {
-  const std::vector<Surface> surfaces = SurfacesIn(points, view);
-  if (static_cast<int>(surfaces.size()) < kMinScalePoints) return std::nullopt;
-  Sums sums = SumAt(surfaces, 1, 2);
-  sums.hessian.topLeftCorner<6, 6>() =
-      Eigen::Map<const Matrix6>(information.data());
-  // The pose is already where picture and surfaces want it.
-  sums.gradient.head<6>().setZero();
-  const Eigen::LDLT<Matrix7> factors(sums.hessian);
+  // The pose is already where picture and surfaces want it: of the step's
+  // equations only those of the scale are summed up, every query being asked.
+  const Surfaces surfaces(points, view);
+  Vector6 with_pose = Vector6::Zero();
+  double hessian = 0;
+  double gradient = 0;
+  int used = 0;
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    const auto surface = surfaces.At(i);
+    if (!surface) continue;
+    ++used;
+    const double distance = DistanceOf(*surface, 1);
+    const double by_scale = -geometry::Dot(surface->normal, surface->measured);
+    const double weighted = WeightOf(*surface, distance, 2) * by_scale;
+    const geometry::Vec3 turn =
+        geometry::Cross(surface->point, surface->normal);
+    with_pose[0] += weighted * surface->normal.x;
+    with_pose[1] += weighted * surface->normal.y;
+    with_pose[2] += weighted * surface->normal.z;
+    with_pose[3] += weighted * turn.x;
+    with_pose[4] += weighted * turn.y;
+    with_pose[5] += weighted * turn.z;
+    hessian += weighted * by_scale;
+    gradient += weighted * distance;
+  }
+  if (used < kMinScalePoints) return std::nullopt;
+  const Eigen::LDLT<Matrix6> factors(
+      Matrix6(Eigen::Map<const Matrix6>(information.data())));
   if (factors.info() != Eigen::Success || !(factors.rcond() > 1e-12)) {
     return std::nullopt;
   }
-  const double log_scale = -factors.solve(sums.gradient)[6];
-  const double variance = factors.solve(Vector7::Unit(6))[6];
-  if (!(std::abs(log_scale) < 1) || !(variance > 0)) return std::nullopt;
+  // What is left of it once the pose may follow.
+  const double known = hessian - with_pose.dot(factors.solve(with_pose));
+  const double log_scale = -gradient / known;
+  if (!(known > 0) || !(std::abs(log_scale) < 1)) return std::nullopt;
   return DepthScale{.scale = std::exp(log_scale),
-                    .sigma = std::sqrt(kCorrelatedPoints * variance),
-                    .points = static_cast<int>(surfaces.size())};
+                    .sigma = std::sqrt(kCorrelatedPoints / known),
+                    .points = used};
 }
 
 }  // namespace treeline::keyframes
