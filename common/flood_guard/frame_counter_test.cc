@@ -25,7 +25,7 @@ FrameCounts CountOf(absl::string_view bytes, size_t step,
 
 FrameCounts CountOf(const std::string& bytes, bool goes_on = true) {
   const FrameCounts counts = CountOf(bytes, bytes.size(), goes_on);
-  for (const size_t step : {1, 2, 5, 9, 24, 100}) {
+  for (const size_t step : {1u, 2u, 5u, 9u, 24u, 100u}) {
     EXPECT_EQ(CountOf(bytes, step, goes_on), counts) << step;
   }
   return counts;

@@ -135,7 +135,7 @@ class ScaledDepthTest : public SelectCandidateTest {
     for (const int number : {102, 103}) {
       Candidate matched = Pose(number);
       matched.is_matched = true;
-      matched.focal = focal_;
+      matched.focal = kFocal;
       features_.push_back(&AddStep(std::move(matched)));
     }
   }
@@ -145,7 +145,7 @@ class ScaledDepthTest : public SelectCandidateTest {
     return Select({{1, suspect}, {102, suspect}, {103, suspect}});
   }
 
-  static constexpr pose::FocalEstimate focal_{.scale = 1.001, .sigma = 0.005};
+  static constexpr pose::FocalEstimate kFocal{.scale = 1.001, .sigma = 0.005};
   std::vector<const Asked*> features_;
 };
 
