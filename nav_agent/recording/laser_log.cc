@@ -226,6 +226,10 @@ absl::StatusOr<LaserLog> ParseLaserLog(absl::string_view bytes,
     bytes = unpacked;
   }
   const absl::string_view start = absl::StripLeadingAsciiWhitespace(bytes);
+  if (start.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        name, ": empty; whatever recorded it wrote nothing, or is not done"));
+  }
   if (absl::StartsWith(start, "{")) {
     return ParseLaserLogJson(bytes, name, options);
   }

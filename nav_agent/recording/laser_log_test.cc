@@ -180,7 +180,8 @@ TEST(LaserLog, SaysWhichLineIsWrong) {
   EXPECT_THAT(ErrorOf("FLASER 1 1.5 1 2 0 1 2 0 noon host 1\n"),
               HasSubstr("no time stamp"));
   EXPECT_THAT(ErrorOf("hello\n"), HasSubstr("no laser scans"));
-  EXPECT_THAT(ErrorOf(""), HasSubstr("no laser scans"));
+  EXPECT_THAT(ErrorOf(""), HasSubstr("a.log: empty"));
+  EXPECT_THAT(ErrorOf(" \n\n"), HasSubstr("a.log: empty"));
 }
 
 TEST(LaserLog, PutsLinesInOrderThatAreALittleLate) {

@@ -91,9 +91,10 @@ void AddOutputs(CLI::App& command, CalibrateFlags& flags) {
   CLI::Option* write =
       command
           .add_option("--write", options.write,
-                      "Change this file: a robot's or one of --hardware; "
-                      "comments stay")
-          ->type_name("FILE");
+                      "Change this file, which must be there: a robot's or one "
+                      "of --hardware; comments stay")
+          ->type_name("FILE")
+          ->check(CLI::ExistingFile);
   command
       .add_option("--check", flags.check,
                   "Only say whether this file, of either kind, still fits")
