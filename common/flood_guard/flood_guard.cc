@@ -11,6 +11,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/strip.h"
 #include "common/base/check_range.h"
+#include "common/base/socket_address.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::flood_guard {
@@ -52,18 +53,6 @@ absl::string_view NameOf(CutReason reason) {
   return "";
 }
 
-std::string AddressKey(const sockaddr_storage& address) {
-  if (address.ss_family == AF_INET) {
-    const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
-    return std::string(reinterpret_cast<const char*>(&v4.sin_addr), 4);
-  }
-  if (address.ss_family != AF_INET6) return "";
-  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
-  const auto* bytes = reinterpret_cast<const char*>(&v6.sin6_addr);
-  return IN6_IS_ADDR_V4MAPPED(&v6.sin6_addr) ? std::string(bytes + 12, 4)
-                                             : std::string(bytes, 8);
-}
-
 std::string AddressKeyOfPeer(absl::string_view peer) {
   const size_t colon = peer.rfind(':');
   if (colon == absl::string_view::npos) return "";
@@ -75,7 +64,7 @@ std::string AddressKeyOfPeer(absl::string_view peer) {
     if (inet_pton(AF_INET, std::string(rest).c_str(), &v4.sin_addr) != 1) {
       return "";
     }
-    return AddressKey(address);
+    return base::AddressKey(address);
   }
   if (!absl::ConsumePrefix(&rest, "ipv6:")) return "";
   std::string text = absl::StrReplaceAll(
@@ -85,7 +74,7 @@ std::string AddressKeyOfPeer(absl::string_view peer) {
   auto& v6 = reinterpret_cast<sockaddr_in6&>(address);
   v6.sin6_family = AF_INET6;
   if (inet_pton(AF_INET6, text.c_str(), &v6.sin6_addr) != 1) return "";
-  return AddressKey(address);
+  return base::AddressKey(address);
 }
 
 FloodGuard::FloodGuard(const FloodLimits& limits, const base::Clock& clock,

@@ -2,8 +2,6 @@
 #ifndef COMMON_FLOOD_GUARD_FLOOD_GUARD_H_
 #define COMMON_FLOOD_GUARD_FLOOD_GUARD_H_
 
-#include <sys/socket.h>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -61,10 +59,8 @@ inline constexpr size_t kCutReasons = 7;
 // For metrics: "calls", "frames", ...
 absl::string_view NameOf(CutReason reason);
 
-// The address without its port, as limits go by it; "" if it is neither IPv4
-// nor IPv6. An IPv4 address in IPv6's form is IPv4.
-std::string AddressKey(const sockaddr_storage& address);
-// The same from gRPC's "ipv4:192.0.2.1:4711" or "ipv6:%5B2001:db8::1%5D:4711".
+// base::AddressKey of gRPC's "ipv4:192.0.2.1:4711" or
+// "ipv6:%5B2001:db8::1%5D:4711".
 std::string AddressKeyOfPeer(absl::string_view peer);
 
 // Thread-safe. An address of which a connection was cut off may make no other

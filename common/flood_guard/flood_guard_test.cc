@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/clock.h"
+#include "common/base/socket_address.h"
 
 namespace treeline::flood_guard {
 namespace {
@@ -190,10 +191,10 @@ std::string KeyOf(int family, const char* text) {
                 ? static_cast<void*>(
                       &reinterpret_cast<sockaddr_in&>(address).sin_addr)
                 : &reinterpret_cast<sockaddr_in6&>(address).sin6_addr);
-  return AddressKey(address);
+  return base::AddressKey(address);
 }
 
-TEST(AddressKey, IsTheSameFromTheSocketAndFromGrpc) {
+TEST(AddressKeyOfPeer, IsTheSameFromTheSocketAndFromGrpc) {
   EXPECT_EQ(KeyOf(AF_INET, "192.0.2.1"),
             AddressKeyOfPeer("ipv4:192.0.2.1:4711"));
   EXPECT_EQ(KeyOf(AF_INET6, "2001:db8:1:2:3::4"),

@@ -22,6 +22,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
+#include "common/base/socket_address.h"
 #include "common/flood_guard/watched_connection.h"
 
 namespace treeline::flood_guard {
@@ -41,16 +42,6 @@ ino_t InodeOf(int fd) {
   return fstat(fd, &status) == 0 ? status.st_ino : 0;
 }
 
-int PortOf(const sockaddr_storage& address) {
-  if (address.ss_family == AF_INET) {
-    return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
-  }
-  if (address.ss_family == AF_INET6) {
-    return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
-  }
-  return -1;
-}
-
 std::string PeerText(const sockaddr_storage& address) {
   std::array<char, INET6_ADDRSTRLEN> text = {};
   if (address.ss_family == AF_INET6) {
@@ -58,14 +49,14 @@ std::string PeerText(const sockaddr_storage& address) {
         reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
     if (IN6_IS_ADDR_V4MAPPED(&v6)) {
       inet_ntop(AF_INET, &v6.s6_addr[12], text.data(), text.size());
-      return absl::StrCat(text.data(), ":", PortOf(address));
+      return absl::StrCat(text.data(), ":", base::PortOf(address));
     }
     inet_ntop(AF_INET6, &v6, text.data(), text.size());
-    return absl::StrCat("[", text.data(), "]:", PortOf(address));
+    return absl::StrCat("[", text.data(), "]:", base::PortOf(address));
   }
   inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(address).sin_addr,
             text.data(), text.size());
-  return absl::StrCat(text.data(), ":", PortOf(address));
+  return absl::StrCat(text.data(), ":", base::PortOf(address));
 }
 
 // All watched connections of the process. Nobody tells it that a socket was
@@ -102,10 +93,10 @@ class Connections {
         getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &peer_size)) {
       return true;
     }
-    std::shared_ptr<FloodGuard> guard = GuardOf(PortOf(local));
+    std::shared_ptr<FloodGuard> guard = GuardOf(base::PortOf(local));
     if (guard == nullptr) return true;
-    Watched watched = WatchedConnection::Open(std::move(guard),
-                                              AddressKey(peer), PeerText(peer));
+    Watched watched = WatchedConnection::Open(
+        std::move(guard), base::AddressKey(peer), PeerText(peer));
     if (watched == nullptr) return false;
     const absl::MutexLock lock(&mutex_);
     by_fd_[fd] = Entry{InodeOf(fd), std::move(watched), ""};

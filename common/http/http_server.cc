@@ -22,6 +22,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "common/base/listen_address.h"
+#include "common/base/socket_address.h"
 #include "common/base/status_macros.h"
 #include "common/http/http_engine.h"
 
@@ -82,10 +83,7 @@ absl::StatusOr<int> Listen(base::ListenAddress& address) {
     if (fd >= 0) close(fd);
     return absl::UnavailableError(absl::StrCat(what, std::strerror(error)));
   }
-  address.port =
-      bound.ss_family == AF_INET6
-          ? ntohs(reinterpret_cast<const sockaddr_in6*>(&bound)->sin6_port)
-          : ntohs(reinterpret_cast<const sockaddr_in*>(&bound)->sin_port);
+  address.port = base::PortOf(bound);
   return fd;
 }
 
@@ -97,21 +95,6 @@ absl::StatusOr<UniqueSslContext> MakeContext(const ServerTls& tls) {
     return absl::InvalidArgumentError("TLS cannot be set up for HTTP");
   }
   return context;
-}
-
-// The address without its port; of IPv6 the first 64 bits, for who has one has
-// all that share them.
-std::string ClientKey(const sockaddr_storage& address) {
-  if (address.ss_family == AF_INET) {
-    const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
-    return std::string(reinterpret_cast<const char*>(&v4.sin_addr), 4);
-  }
-  if (address.ss_family != AF_INET6) return "";
-  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
-  const auto* bytes = reinterpret_cast<const char*>(&v6.sin6_addr);
-  // What a dual-stack listener shows of an IPv4 client differs in the rest.
-  return IN6_IS_ADDR_V4MAPPED(&v6.sin6_addr) ? std::string(bytes + 12, 4)
-                                             : std::string(bytes, 8);
 }
 
 absl::Status CheckRange(absl::string_view name, int value, int low, int high) {
@@ -196,7 +179,7 @@ class HttpServer::Impl {
     // Waits for a request since then.
     bool idle = true;
     base::MonotonicTime idle_since;
-    // See ClientKey.
+    // See base::AddressKey.
     std::string client;
     bool only_probes = false;
     base::MonotonicTime accepted;
@@ -285,7 +268,7 @@ void HttpServer::Impl::AcceptAll() {
 void HttpServer::Impl::Admit(int fd, const sockaddr_storage& address) {
   const int on = 1;
   setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
-  const std::string client = ClientKey(address);
+  const std::string client = base::AddressKey(address);
   const absl::MutexLock lock(&mutex_);
   const Room room = FindRoom(client);
   if (room == Room::kNone) {

@@ -11,6 +11,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/socket_address.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/stream/descriptor_stream.h"
 
@@ -93,10 +94,7 @@ int PortOf(int fd) {
   if (getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) < 0) {
     return -1;
   }
-  if (address.ss_family == AF_INET6) {
-    return ntohs(reinterpret_cast<const sockaddr_in6*>(&address)->sin6_port);
-  }
-  return ntohs(reinterpret_cast<const sockaddr_in*>(&address)->sin_port);
+  return base::PortOf(address);
 }
 
 }  // namespace
