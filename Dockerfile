@@ -16,7 +16,8 @@ COPY scripts/packages.txt scripts/install-deps scripts/
 COPY scripts/lib/common.sh scripts/lib/
 RUN scripts/install-deps && rm -rf /var/lib/apt/lists/*
 COPY . .
-RUN scripts/build release treeline treeline-server treeline-client && \
+RUN scripts/build release treeline treeline-server treeline-client \
+      treeline-agent && \
     deploy/collect-programs build/release/bin /out
 
 # -----------------------------------------------------------------------------
@@ -33,6 +34,16 @@ FROM web AS ar-page
 RUN scripts/build-ar-page --out /out/ar-page || mkdir -p /out/ar-page
 
 # -----------------------------------------------------------------------------
+# The page of the robot's operator.
+FROM web AS operator-page
+RUN scripts/build-page --out /out/page || mkdir -p /out/page
+
+# -----------------------------------------------------------------------------
+# Draws what Prometheus has.
+FROM web AS dashboard
+RUN scripts/build-dashboard --out /out/dashboard || mkdir -p /out/dashboard
+
+# -----------------------------------------------------------------------------
 # The templates of report pages. Without them reports are data alone.
 FROM web AS report
 RUN scripts/build-report --out /out/report || mkdir -p /out/report
@@ -46,7 +57,8 @@ COPY deploy/http-ok /usr/local/bin/
 RUN groupadd --system --gid 10001 treeline && \
     useradd --system --uid 10001 --gid treeline --home-dir /nonexistent \
             --no-create-home --shell /usr/sbin/nologin treeline && \
-    install -d -o treeline -g treeline /models /cache /demo /demo/models
+    install -d -o treeline -g treeline \
+      /models /cache /demo /demo/models /tls /state
 STOPSIGNAL SIGTERM
 LABEL org.opencontainers.image.title="Treeline" \
       org.opencontainers.image.description="Tells a camera where it is" \
@@ -75,20 +87,21 @@ ENTRYPOINT ["treeline"]
 CMD ["--help"]
 
 # -----------------------------------------------------------------------------
-# Spreads HTTP/2 over servers.
+# Spreads HTTP/2 over servers, and shows browsers the AR page over TLS.
 FROM base AS balancer
 RUN apt-get update -q && \
     DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends haproxy && \
+      apt-get install -q -y --no-install-recommends haproxy openssl && \
     rm -rf /var/lib/apt/lists/*
+COPY deploy/make-certificates deploy/run-balancer /usr/local/bin/
 COPY deploy/haproxy.cfg /etc/haproxy/haproxy.cfg
 USER 10001:10001
 # haproxy's word for "finish what runs": SIGTERM would end it at once.
 STOPSIGNAL SIGUSR1
-EXPOSE 50050 8404
+EXPOSE 50050 8443 8088 8404
 HEALTHCHECK --interval=5s --timeout=3s --start-period=10s \
   CMD ["http-ok", "127.0.0.1", "8404", "/healthz"]
-ENTRYPOINT ["haproxy", "-db", "-f", "/etc/haproxy/haproxy.cfg"]
+ENTRYPOINT ["run-balancer"]
 
 # -----------------------------------------------------------------------------
 FROM base AS prometheus
@@ -98,6 +111,8 @@ RUN apt-get update -q && \
     rm -rf /var/lib/apt/lists/* && \
     install -d -o treeline -g treeline /prometheus
 COPY deploy/prometheus.yml deploy/observability/rules.yml /etc/prometheus/
+COPY --from=dashboard /out/dashboard/ /usr/local/share/treeline/dashboard/
+COPY deploy/observability/dashboard.json /usr/local/share/treeline/dashboard/
 USER 10001:10001
 EXPOSE 9090
 HEALTHCHECK --interval=5s --timeout=3s --start-period=10s \
@@ -106,7 +121,43 @@ ENTRYPOINT ["prometheus"]
 CMD ["--config.file=/etc/prometheus/prometheus.yml", \
      "--storage.tsdb.path=/prometheus", "--storage.tsdb.retention.size=512MB", \
      "--enable-feature=exemplar-storage", \
+     "--web.user-assets=/usr/local/share/treeline/dashboard", \
      "--web.listen-address=0.0.0.0:9090"]
+
+# -----------------------------------------------------------------------------
+# The robot's program and its page. As with the server, it listens on loopback
+# unless it is told otherwise: who reaches it can drive the robot.
+FROM base AS agent
+COPY --from=build /out/packages-agent.txt /usr/share/treeline/
+RUN apt-get update -q && \
+    xargs -a /usr/share/treeline/packages-agent.txt \
+      env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends ca-certificates && \
+    rm -rf /var/lib/apt/lists/*
+COPY --from=build /out/treeline-agent /usr/local/bin/
+COPY --from=operator-page /out/page/ /usr/local/share/treeline/page/
+USER 10001:10001
+EXPOSE 50061 8081
+HEALTHCHECK --interval=5s --timeout=3s --start-period=60s \
+  CMD ["http-ok", "127.0.0.1", "8081", "/readyz"]
+ENTRYPOINT ["treeline-agent"]
+CMD ["--help"]
+
+# -----------------------------------------------------------------------------
+# A place that a simulated robot knows: a drive, and what comes of it.
+FROM build AS cafe
+RUN PATH=/out:$PATH deploy/make-robot-demo /out/cafe
+
+# -----------------------------------------------------------------------------
+FROM agent AS robot-demo
+USER root
+RUN apt-get update -q && \
+    DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends curl jq && \
+    rm -rf /var/lib/apt/lists/*
+COPY --from=cafe /out/cafe/ /usr/local/share/treeline/cafe/
+COPY deploy/kidnap-robot deploy/place-model /usr/local/bin/
+USER 10001:10001
 
 # -----------------------------------------------------------------------------
 # What serves. Without arguments it listens on loopback, inside the container:

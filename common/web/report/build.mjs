@@ -1,7 +1,8 @@
 // Bundles everything into one file that opens from disk without a network:
-//   node src/common/report/build.mjs FOLDER/NAME.html TITLE
+//   node src/common/report/build.mjs FOLDER/NAME.html TITLE [DATA.json]
 // in a folder with src/main.ts. A report is that file with JSON in the place of
-// "@REPORT_DATA@" (common/page/page_template.h).
+// "@REPORT_DATA@" (common/page/page_template.h). With DATA.json it stands there
+// already, and the page may ask the server that it comes from for more.
 
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
@@ -9,7 +10,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild';
 
-const [, , file, title] = process.argv;
+const [, , file, title, dataFile] = process.argv;
 const folder = path.dirname(file);
 const result = await build({
   entryPoints: ['src/main.ts'],
@@ -32,16 +33,22 @@ const style = output('.css');
 if (/<\/script|<!--/i.test(script) || /<\/style/i.test(style)) {
   throw new Error('the bundle would end its own element');
 }
-// Only the script of this build runs, and nothing is asked of anybody.
+// Only the script of this build runs, and nothing is asked of anybody else.
 const hash = createHash('sha256').update(script).digest('base64');
 const policy = `default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
-script-src 'sha256-${hash}'; base-uri 'none'; form-action 'none'`;
+script-src 'sha256-${hash}'; base-uri 'none'; form-action 'none'\
+${dataFile === undefined ? '' : "; connect-src 'self'"}`;
 const parts = { TITLE: title, POLICY: policy, STYLE: style, SCRIPT: script };
 const template = fileURLToPath(new URL('template.html', import.meta.url));
-const page = fs.readFileSync(template, 'utf8')
+const data = '"@REPORT_DATA@"';
+let page = fs.readFileSync(template, 'utf8')
     .replace(/@(TITLE|POLICY|STYLE|SCRIPT)@/g, (_, name) => parts[name]);
-if (page.split('"@REPORT_DATA@"').length !== 2) {
+if (page.split(data).length !== 2) {
   throw new Error('the template must have one place for the data');
+}
+if (dataFile !== undefined) {
+  page = page.split(data).join(
+      fs.readFileSync(dataFile, 'utf8').replaceAll('<', '\\u003c'));
 }
 fs.mkdirSync(folder, { recursive: true });
 fs.writeFileSync(file, page);
