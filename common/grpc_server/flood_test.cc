@@ -1,10 +1,8 @@
 // A guarded gRPC server that is flooded, over TCP and over TLS.
-#include <arpa/inet.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
@@ -20,7 +18,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/descriptor.h"
-#include "common/base/listen_address.h"
+#include "common/flood_guard/testing_connection.h"
 #include "common/flood_guard/testing_frames.h"
 #include "common/grpc_server/grpc_listener.h"
 
@@ -68,19 +66,8 @@ grpc::SslServerCredentialsOptions::PemKeyCertPair SelfSigned() {
 class Attacker {
  public:
   Attacker(const std::string& address, bool tls)
-      : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in to = {};
-    to.sin_family = AF_INET;
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    to.sin_port = htons(
-        static_cast<uint16_t>(base::ParseListenAddress(address).value().port));
-    // Nothing takes so long; a test that would hang fails.
-    const timeval patience = {.tv_sec = 60, .tv_usec = 0};
-    setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience,
-               sizeof(patience));
-    EXPECT_EQ(
-        connect(socket_.get(), reinterpret_cast<sockaddr*>(&to), sizeof(to)),
-        0);
+      : socket_(flood_guard::ConnectForTest(address)) {
+    EXPECT_GE(socket_.get(), 0);
     if (!tls) return;
     context_.reset(SSL_CTX_new(TLS_client_method()));
     ssl_.reset(SSL_new(context_.get()));

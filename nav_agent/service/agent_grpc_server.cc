@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
+#include "common/flood_guard/flood_guard.h"
 #include "common/grpc_server/grpc_listener.h"
 #include "nav_agent/service/grpc_services.h"
 
@@ -21,6 +23,9 @@ constexpr int kMaxMessageBytes = 1 << 20;
 // Beside those of streams.
 constexpr int kMoreThreads = 16;
 constexpr auto kGrace = std::chrono::seconds(1);
+// Of one address: a joystick sends fifty commands a second.
+constexpr flood_guard::FloodLimits kFloodLimits{
+    .calls_per_s = 500, .open_calls = 512, .connections = 128};
 
 grpc_server::GrpcPlugin Reflection() {
   return {"proto_server_reflection",
@@ -48,11 +53,16 @@ absl::Status AgentGrpcOptions::Validate() const {
 
 // Destroyed from the last to the first: the server before what it calls.
 struct AgentGrpcServer::Parts {
-  Parts(AgentCommands& commands, int max_streams)
-      : navigation(commands, max_streams),
-        docking(commands, max_streams),
+  Parts(AgentCommands& commands, const AgentGrpcOptions& options)
+      : guard(std::make_shared<flood_guard::FloodGuard>(kFloodLimits, clock,
+                                                        options.report)),
+        navigation(commands, options.max_streams),
+        docking(commands, options.max_streams),
         simulation(commands) {}
+  ~Parts() { guard->StopReporting(); }
 
+  const base::SteadyClock clock;
+  const std::shared_ptr<flood_guard::FloodGuard> guard;
   NavigationGrpcService navigation;
   DockingGrpcService docking;
   SimulationGrpcService simulation;
@@ -70,7 +80,7 @@ AgentGrpcServer::~AgentGrpcServer() {
 absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
     AgentCommands& commands, const AgentGrpcOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
-  auto parts = std::make_unique<Parts>(commands, options.max_streams);
+  auto parts = std::make_unique<Parts>(commands, options);
   TL_ASSIGN_OR_RETURN(parts->listener,
                       grpc_server::StartGrpcListener(
                           {.listen = options.listen,
@@ -78,7 +88,8 @@ absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
                            .max_message_bytes = kMaxMessageBytes,
                            .max_threads = options.max_streams + kMoreThreads,
                            .keepalive_time_ms = kKeepaliveTime_ms,
-                           .keepalive_timeout_ms = kKeepaliveTimeout_ms},
+                           .keepalive_timeout_ms = kKeepaliveTimeout_ms,
+                           .guard = parts->guard},
                           [&](grpc::ServerBuilder& builder) {
                             builder.RegisterService(&parts->navigation);
                             builder.RegisterService(&parts->docking);

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_SERVICE_AGENT_GRPC_SERVER_H_
 #define NAV_AGENT_SERVICE_AGENT_GRPC_SERVER_H_
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -19,6 +20,9 @@ struct AgentGrpcOptions {
   bool insecure_any_address = false;
   // Streams at a time, 1..1000.
   int max_streams = 32;
+  // Is told of connections that were cut off since they flooded it, at most
+  // once a second, from any thread. Empty: nobody is.
+  std::function<void(const std::string& message)> report = nullptr;
 
   absl::Status Validate() const;
 };

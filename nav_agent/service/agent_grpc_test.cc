@@ -2,12 +2,21 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 
+#include <array>
+#include <cerrno>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
 #include "absl/synchronization/notification.h"
+#include "common/base/descriptor.h"
+#include "common/flood_guard/testing_connection.h"
+#include "common/flood_guard/testing_frames.h"
 #include "nav_agent/service/agent_grpc_server.h"
 #include "nav_agent/service/testing_navigator.h"
 #include "treeline/v1/navigation.grpc.pb.h"
@@ -22,8 +31,12 @@ class AgentGrpcTest : public ::testing::Test {
   void Start(bool is_simulated = true, int max_streams = 8) {
     agent_ = std::make_unique<SteppingAgent>(is_simulated);
     auto server = AgentGrpcServer::Start(
-        agent_->commands,
-        {.listen = "127.0.0.1:0", .max_streams = max_streams});
+        agent_->commands, {.listen = "127.0.0.1:0",
+                           .max_streams = max_streams,
+                           .report = [this](const std::string& message) {
+                             const absl::MutexLock lock(&mutex_);
+                             reports_.push_back(message);
+                           }});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     const auto channel = grpc::CreateChannel(
@@ -56,7 +69,14 @@ class AgentGrpcTest : public ::testing::Test {
     }
   }
 
+  std::vector<std::string> Reports() {
+    const absl::MutexLock lock(&mutex_);
+    return reports_;
+  }
+
   std::unique_ptr<SteppingAgent> agent_;
+  absl::Mutex mutex_;
+  std::vector<std::string> reports_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<AgentGrpcServer> server_;
   std::unique_ptr<v1::NavigationService::Stub> navigation_;
   std::unique_ptr<v1::SimulationService::Stub> simulation_;
@@ -339,6 +359,46 @@ TEST(AgentGrpcOptions, DoNotOpenTheRobotToEverybody) {
           .ok());
   EXPECT_FALSE(AgentGrpcOptions{.listen = "nowhere"}.Validate().ok());
   EXPECT_FALSE(AgentGrpcOptions{.max_streams = 0}.Validate().ok());
+}
+
+TEST_F(AgentGrpcTest, CutsOffWhoFloodsItAndHearsOthers) {
+  Start();
+  const base::Descriptor flood(flood_guard::ConnectForTest(server_->address()));
+  std::string frames =
+      flood_guard::kTestPreface +
+      flood_guard::TestFrame(flood_guard::kTestSettings, 0, 0, "");
+  for (int i = 0; i < 20'000; ++i) {
+    frames += flood_guard::TestFrame(flood_guard::kTestHeaders,
+                                     flood_guard::kTestEndHeaders, 2 * i + 1,
+                                     "\x83\x86") +
+              flood_guard::TestFrame(flood_guard::kTestReset, 0, 2 * i + 1,
+                                     std::string(4, '\0'));
+  }
+  // What the server no longer takes cannot be sent.
+  size_t sent = 0;
+  while (sent < frames.size()) {
+    const ssize_t more = send(flood.get(), frames.data() + sent,
+                              frames.size() - sent, MSG_NOSIGNAL);
+    if (more <= 0) break;
+    sent += static_cast<size_t>(more);
+  }
+  std::array<char, 4096> bytes = {};
+  ssize_t size = 0;
+  do {
+    size = recv(flood.get(), bytes.data(), bytes.size(), 0);
+  } while (size > 0);
+  EXPECT_TRUE(size == 0 || errno == ECONNRESET) << errno;
+  EXPECT_THAT(Reports(),
+              ::testing::ElementsAre(HasSubstr("cut off 127.0.0.1:")));
+
+  // Its address may come back after a second.
+  grpc::ClientContext context;
+  context.set_wait_for_ready(true);
+  context.set_deadline(std::chrono::system_clock::now() +
+                       std::chrono::seconds(60));
+  v1::GetInfoResponse info;
+  const grpc::Status status = navigation_->GetInfo(&context, {}, &info);
+  EXPECT_TRUE(status.ok()) << status.error_message();
 }
 
 TEST_F(AgentGrpcTest, TellsWhichServicesThereAre) {

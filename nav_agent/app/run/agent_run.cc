@@ -4,6 +4,7 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -101,6 +102,12 @@ class AgentProgram {
   // OK, and without a robot, if a stop was requested meanwhile.
   absl::Status MakeRobot(const std::stop_token& stop);
   absl::Status WatchDevices();
+  // Puts lines into the log as warnings.
+  std::function<void(const std::string& line)> Warner() {
+    return [this](const std::string& line) {
+      log_.Say(logging::LogLevel::kWarn, line);
+    };
+  }
   absl::Status ConnectServer();
   absl::Status Listen();
   absl::Status LetFoxgloveWatch();
@@ -188,13 +195,9 @@ absl::Status AgentProgram::LoadMap() {
 
 absl::Status AgentProgram::MakeRobot(const std::stop_token& stop) {
   if (!config_.ros2.empty()) {
-    TL_ASSIGN_OR_RETURN(std::unique_ptr<RosAgentRobot> robot,
-                        RosAgentRobot::Open(
-                            config_.ros2, real_clock_,
-                            [this](const std::string& line) {
-                              log_.Say(logging::LogLevel::kWarn, line);
-                            },
-                            announce_));
+    TL_ASSIGN_OR_RETURN(
+        std::unique_ptr<RosAgentRobot> robot,
+        RosAgentRobot::Open(config_.ros2, real_clock_, Warner(), announce_));
     ros_robot_ = &robot->robot();
     robot_ = std::move(robot);
     return ros_robot_->WaitUntilKnown(stop);
@@ -304,7 +307,8 @@ absl::Status AgentProgram::Listen() {
         agent_service::AgentGrpcServer::Start(
             *commands_, {.listen = config_.listen,
                          .insecure_any_address = config_.insecure_any_address,
-                         .max_streams = config_.max_streams}));
+                         .max_streams = config_.max_streams,
+                         .report = Warner()}));
     announce_("grpc on " + grpc_->address());
   }
   TL_RETURN_IF_ERROR(LetFoxgloveWatch());
@@ -544,11 +548,8 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
   TellStart(absl::StrFormat("is ready after %.1f s",
                             base::SecondsBetween(began, real_clock_.Now())));
   if (ros_robot_ != nullptr) {
-    TL_ASSIGN_OR_RETURN(
-        topics_, ros_app::AgentTopics::Start(
-                     *ros_robot_, *commands_, [this](const std::string& line) {
-                       log_.Say(logging::LogLevel::kWarn, line);
-                     }));
+    TL_ASSIGN_OR_RETURN(topics_, ros_app::AgentTopics::Start(
+                                     *ros_robot_, *commands_, Warner()));
   }
   RepeatedLines events;
   AgentLoop loop(
