@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
@@ -12,6 +13,19 @@
 
 namespace treeline::server_app {
 namespace {
+
+constexpr size_t kMaxKeysBytes = 1 << 20;
+
+absl::StatusOr<std::shared_ptr<const repository::IndexKeys>> ReadIndexKeys(
+    const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string pem,
+                      base::ReadFile(path, kMaxKeysBytes));
+  auto keys = repository::IndexKeys::FromPem(pem);
+  if (!keys.ok()) {
+    return base::Annotate(keys.status(), absl::StrCat("--models-keys ", path));
+  }
+  return std::make_shared<const repository::IndexKeys>(*std::move(keys));
+}
 
 absl::StatusOr<std::unique_ptr<repository::ModelSource>> OpenSource(
     const ServerConfig& config, const std::stop_token& stop,
@@ -25,6 +39,9 @@ absl::StatusOr<std::unique_ptr<repository::ModelSource>> OpenSource(
   options.cache.limit_bytes = static_cast<uint64_t>(config.cache_mib) << 20;
   options.http.ca_file = config.models_ca;
   options.http.allow_plain_http = config.insecure_any_address;
+  if (!config.models_keys.empty()) {
+    TL_ASSIGN_OR_RETURN(options.keys, ReadIndexKeys(config.models_keys));
+  }
   options.stop = stop;
   options.warn = [&log](absl::string_view message) {
     log.Say(logging::LogLevel::kWarn, message);

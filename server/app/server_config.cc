@@ -60,6 +60,12 @@ void AddScenes(Table& table) {
              .value_name = "FILE",
              .help = "Authorities to trust for models from an https address, "
                      "PEM, instead of the system's"});
+  table.Add(&ServerConfig::models_keys,
+            {.name = "models_keys",
+             .value_name = "FILE",
+             .help = "Public Ed25519 keys, PEM, of which one must have signed "
+                     "the index of models from a web address; without: it "
+                     "need not be signed"});
   table.Add(&ServerConfig::memory_budget_mib,
             {.name = "memory_budget_mib",
              .help = "Memory for loaded scenes, MiB; the least recently used "
@@ -311,6 +317,10 @@ absl::Status ServerConfig::Validate() const {
   }
   if (absl::StrContains(models, "://") && cache.empty()) {
     return Needs("--models with a web address", "--cache");
+  }
+  // Who asks for signatures and does not get them checked must know.
+  if (!models_keys.empty() && !absl::StrContains(models, "://")) {
+    return Needs("--models-keys", "--models with a web address");
   }
   if (!admin_listen.empty() && !insecure_any_address && auth_keys.empty() &&
       tls_client_ca.empty()) {

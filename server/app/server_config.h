@@ -26,6 +26,7 @@ struct ServerConfig {
   std::string cache;
   int cache_mib = 0;
   std::string models_ca;
+  std::string models_keys;
   int memory_budget_mib = 0;
   double poll_s = 0;
   bool load_all = false;

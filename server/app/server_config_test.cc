@@ -80,6 +80,8 @@ TEST(ServerConfig, WhatBelongsTogetherIsGivenTogether) {
   EXPECT_THAT(ErrorOf({{"auth_audience", "a"}}), HasSubstr("--auth-keys"));
   EXPECT_THAT(ErrorOf({{"models", "https://h/m"}}), HasSubstr("--cache"));
   EXPECT_TRUE(Made({{"models", "https://h/m"}, {"cache", "c"}}).ok());
+  EXPECT_THAT(ErrorOf({{"models", "m"}, {"models_keys", "k"}}),
+              HasSubstr("--models with a web address"));
 }
 
 TEST(ServerConfig, AddressesAreChecked) {

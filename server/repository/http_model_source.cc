@@ -80,6 +80,15 @@ absl::Status Prefixed(absl::string_view prefix, const absl::Status& status) {
   return prefixed;
 }
 
+// Whether an index could not be had from where it is believed: the last one is
+// better than none.
+bool IsNoAnswer(const absl::Status& status) {
+  const std::string reason = base::ErrorInfoOf(status).reason;
+  return absl::IsUnavailable(status) || reason == "SOURCE_UNTRUSTED" ||
+         reason == "INDEX_UNSIGNED" || reason == "INDEX_SIGNATURE_WRONG" ||
+         reason == "INDEX_OLD";
+}
+
 }  // namespace
 
 bool IsModelUrl(absl::string_view models) {
@@ -180,25 +189,49 @@ absl::StatusOr<SourceListing> HttpModelSource::List() {
   return listing;
 }
 
-absl::StatusOr<SourceListing> HttpModelSource::ListNow() {
-  KeptIndex kept = ReadKeptIndex();
-  // One that was damaged must not stand in for the server's.
-  if (!ParseModelIndex(kept.text).ok()) kept = {};
-  absl::StatusOr<KeptIndex> now = GetIndex(kept);
-  const bool unreachable =
-      absl::IsUnavailable(now.status()) ||
-      base::ErrorInfoOf(now.status()).reason == "SOURCE_UNTRUSTED";
-  if (unreachable && !kept.empty()) {
-    Warn(
-        absl::StrCat("going on with the last index: ", now.status().message()));
-    now = kept;
-  }
-  TL_RETURN_IF_ERROR(now.status());
-  const auto index = ParseModelIndex(now->text);
-  if (!index.ok()) {
-    return base::WithReason(Prefixed(PublicUrl(index_url_), index.status()),
+absl::StatusOr<ModelIndex> HttpModelSource::Read(const KeptIndex& index) const {
+  absl::StatusOr<ModelIndex> read = ParseModelIndex(index.text);
+  if (!read.ok()) {
+    return base::WithReason(Prefixed(PublicUrl(index_url_), read.status()),
                             "INDEX_INVALID");
   }
+  if (options_.keys != nullptr) {
+    const absl::Status believed = options_.keys->Check(*read);
+    if (!believed.ok()) return Prefixed(PublicUrl(index_url_), believed);
+  }
+  return read;
+}
+
+// Whoever holds the web server may have an older index, which was signed, too.
+absl::StatusOr<ModelIndex> HttpModelSource::ReadNext(
+    const KeptIndex& index, const absl::StatusOr<ModelIndex>& before) const {
+  TL_ASSIGN_OR_RETURN(ModelIndex read, Read(index));
+  if (options_.keys != nullptr && before.ok() &&
+      read.published_unix_s < before->published_unix_s) {
+    return base::WithReason(
+        absl::FailedPreconditionError(absl::StrCat(
+            PublicUrl(index_url_), ": the index is older than the last one")),
+        "INDEX_OLD");
+  }
+  return read;
+}
+
+absl::StatusOr<SourceListing> HttpModelSource::ListNow() {
+  KeptIndex kept = ReadKeptIndex();
+  absl::StatusOr<ModelIndex> before = Read(kept);
+  // One that was damaged must not stand in for the server's.
+  if (!before.ok()) kept = {};
+  absl::StatusOr<KeptIndex> now = GetIndex(kept);
+  absl::StatusOr<ModelIndex> index =
+      now.ok() ? ReadNext(*now, before)
+               : absl::StatusOr<ModelIndex>(now.status());
+  if (before.ok() && IsNoAnswer(index.status())) {
+    Warn(absl::StrCat("going on with the last index: ",
+                      index.status().message()));
+    now = kept;
+    index = std::move(before);
+  }
+  TL_RETURN_IF_ERROR(index.status());
   SourceListing listing{.models = {}, .scene_json = index->scene_json};
   std::map<std::string, std::string> urls;
   for (const IndexedModel& model : index->models) {

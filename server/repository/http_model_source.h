@@ -16,6 +16,7 @@
 #include "common/base/clock.h"
 #include "server/repository/digest_cache.h"
 #include "server/repository/http_get.h"
+#include "server/repository/index_signature.h"
 #include "server/repository/model_index.h"
 #include "server/repository/model_source.h"
 #include "server/repository/retry.h"
@@ -29,6 +30,8 @@ struct HttpModelSourceOptions {
   DigestCacheOptions cache = {};
   HttpOptions http = {};
   RetryOptions retry = {};
+  // Of which one must have signed the index; null: none need have.
+  std::shared_ptr<const IndexKeys> keys = nullptr;
   // Of the pauses between attempts.
   uint64_t seed = 0;
   // Ends List() and Fetch(), beside the token that Fetch() is given.
@@ -44,12 +47,14 @@ struct HttpModelSourceOptions {
 bool IsModelUrl(absl::string_view models);
 
 // The last index that could be read is kept in the cache's folder: List()
-// answers with it while the server cannot be reached, also after a restart.
-// A fingerprint is the file's SHA-256.
+// answers with it while the server cannot be reached or what it has is not
+// signed as it must be, also after a restart. A fingerprint is the file's
+// SHA-256.
 //
 // List():  UNAVAILABLE or FAILED_PRECONDITION with the reasons of http_get.h
 //          and no index kept; NOT_FOUND, PERMISSION_DENIED: what the server
-//          says of the index; INVALID_ARGUMENT, INDEX_INVALID: what it holds.
+//          says of the index; INVALID_ARGUMENT, INDEX_INVALID: what it holds;
+//          FAILED_PRECONDITION, INDEX_UNSIGNED, INDEX_SIGNATURE_WRONG.
 // Fetch(): the same of the model; DATA_LOSS, MODEL_CORRUPT: it is not what the
 //          index promises; RESOURCE_EXHAUSTED, CACHE_FULL: no space for it;
 //          NOT_FOUND, NOT_IN_INDEX: it is no longer listed.
@@ -80,6 +85,11 @@ class HttpModelSource final : public ModelSource {
   std::string IndexPath() const;
   KeptIndex ReadKeptIndex() const;
   void KeepIndex(const KeptIndex& kept) const;
+  // What an index holds, if it may be believed.
+  absl::StatusOr<ModelIndex> Read(const KeptIndex& index) const;
+  // The same of what comes after `before`, where there is one.
+  absl::StatusOr<ModelIndex> ReadNext(
+      const KeptIndex& index, const absl::StatusOr<ModelIndex>& before) const;
   // List() without a warning.
   absl::StatusOr<SourceListing> ListNow();
   // The index now; `kept` where it has not changed.

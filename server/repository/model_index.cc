@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/repository/names.h"
@@ -178,6 +179,28 @@ absl::Status ParseScenes(const Json& scenes, ModelIndex& index) {
   return absl::OkStatus();
 }
 
+absl::Status ParseSignature(const Json& json, ModelIndex& index) {
+  if (json.contains("published")) {
+    const Json& published = json.at("published");
+    if (!published.is_number_unsigned() || published.get<uint64_t>() == 0) {
+      return Invalid("published", "is not a time in seconds since 1970");
+    }
+    index.published_unix_s = published.get<uint64_t>();
+  }
+  if (!json.contains("signature")) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      StringAt(json, "signature", "index"));
+  // One text for one signature: the reader is lenient.
+  if (!absl::Base64Unescape(text, &index.signature) ||
+      index.signature.size() != kSignatureBytes ||
+      absl::Base64Escape(index.signature) != text) {
+    return Invalid("index.signature", absl::StrCat("is not Base64 of ",
+                                                   kSignatureBytes, " bytes"));
+  }
+  if (index.published_unix_s == 0) return Invalid("index", "lacks published");
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<ModelIndex> ParseModelIndex(absl::string_view text) {
@@ -186,12 +209,14 @@ absl::StatusOr<ModelIndex> ParseModelIndex(absl::string_view text) {
                                          " bytes; at most ", kMaxIndexBytes));
   }
   TL_ASSIGN_OR_RETURN(const Json json, ParseObject(text, "index"));
-  TL_RETURN_IF_ERROR(CheckKeys(json, "index", {"models"}, {"scenes"}));
+  TL_RETURN_IF_ERROR(CheckKeys(json, "index", {"models"},
+                               {"scenes", "published", "signature"}));
   ModelIndex index;
   TL_RETURN_IF_ERROR(ParseModels(json.at("models"), index));
   if (json.contains("scenes")) {
     TL_RETURN_IF_ERROR(ParseScenes(json.at("scenes"), index));
   }
+  TL_RETURN_IF_ERROR(ParseSignature(json, index));
   return index;
 }
 
@@ -207,6 +232,10 @@ absl::StatusOr<std::string> ModelIndexJson(const ModelIndex& index) {
   for (const auto& [scene, text] : index.scene_json) {
     TL_ASSIGN_OR_RETURN(json["scenes"][scene],
                         ParseObject(text, scene + "/scene.json"));
+  }
+  if (index.published_unix_s > 0) json["published"] = index.published_unix_s;
+  if (!index.signature.empty()) {
+    json["signature"] = absl::Base64Escape(index.signature);
   }
   return json.dump(1) + "\n";
 }

@@ -3,9 +3,11 @@
 //   {"models": [{"scene": "kitchen", "version": "7", "bytes": 5341832,
 //                "sha256": "<64 lower-case hexadecimal digits>",
 //                "url": "kitchen/7/model.treeline"}],
-//    "scenes": {"kitchen": {...what scene.json holds...}}}
+//    "scenes": {"kitchen": {...what scene.json holds...}},
+//    "published": 1764172800, "signature": "<88 characters of Base64>"}
 //
-// A url is absolute or relative to the index. `scenes` may be missing.
+// A url is absolute or relative to the index. All but `models` may be missing;
+// index_signature.h has what is signed.
 #ifndef SERVER_REPOSITORY_MODEL_INDEX_H_
 #define SERVER_REPOSITORY_MODEL_INDEX_H_
 
@@ -22,6 +24,8 @@ namespace treeline::repository {
 inline constexpr uint64_t kMaxIndexBytes = 16u << 20;
 inline constexpr uint64_t kMaxModelBytes = uint64_t{64} << 30;
 inline constexpr size_t kMaxIndexedModels = 100000;
+// Of an Ed25519 signature.
+inline constexpr size_t kSignatureBytes = 64;
 
 struct IndexedModel {
   // Names, see names.h; each pair of them once.
@@ -39,6 +43,10 @@ struct ModelIndex {
   std::vector<IndexedModel> models;
   // Text of scene.json by scene; each is an object.
   std::map<std::string, std::string> scene_json;
+  // Seconds since 1970, UTC; 0: it does not say.
+  uint64_t published_unix_s = 0;
+  // kSignatureBytes; empty: it is not signed.
+  std::string signature = {};
 };
 
 // Strict: an unknown, missing or repeated key is an error. INVALID_ARGUMENT

@@ -1,6 +1,8 @@
 #include "server/repository/model_index.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
@@ -49,6 +51,31 @@ TEST(ModelIndex, IsReadAsItWasWritten) {
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(again->models[0].url, index->models[0].url);
   EXPECT_EQ(again->scene_json, index->scene_json);
+}
+
+TEST(ModelIndex, SignaturesAreReadAsTheyWereWritten) {
+  ModelIndex index = ParseModelIndex(Index()).value();
+  index.published_unix_s = 1764172800;
+  index.signature = std::string(kSignatureBytes, '\xfe');
+  const std::string text = ModelIndexJson(index).value();
+  const auto again = ParseModelIndex(text);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->published_unix_s, index.published_unix_s);
+  EXPECT_EQ(again->signature, index.signature);
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"1764172800", "-1"},
+           {"1764172800", "0"},
+           {"1764172800", "1.5"},
+           {"1764172800", "\"1764172800\""},
+           {"published", "publisht"},
+           {"==\"", "\""},
+           {"/v7+/v7+", "/v7+ /v7+"},
+           {"/v7+/v7+/v7+/v7+", "/v7+/v7+/v7+"}}) {
+    const std::string changed = absl::StrReplaceAll(text, {{from, to}});
+    EXPECT_NE(changed, text) << from;
+    EXPECT_FALSE(ParseModelIndex(changed).ok()) << changed;
+  }
 }
 
 TEST(ModelIndex, ScenesMayBeMissingAndModelsEmpty) {

@@ -1,10 +1,13 @@
 // Models from a real web server: what works, and what is asked of the server.
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/file.h"
 #include "gmock/gmock.h"
+#include "server/repository/testing_index_keys.h"
 #include "tests/integration/http_source_fixture.h"
 
 namespace treeline {
@@ -240,6 +243,87 @@ TEST_F(HttpsSource, RedirectsToPlainHttpAreRefused) {
   const auto path = Fetch();
   EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, "SOURCE_UNTRUSTED");
   EXPECT_THAT(plain.Requests("/"), IsEmpty());
+}
+
+// An index that must be signed.
+class SignedSource : public HttpSourceTest {
+ protected:
+  void SetUp() override {
+    HttpSourceTest::SetUp();
+    options_.keys = std::make_shared<const repository::IndexKeys>(
+        repository::IndexKeys::FromPem(key_.open).value());
+    model_ = Model(1000);
+    server_->Put("/model.treeline", model_);
+  }
+  // With `version` of kitchen, published then.
+  void Publish(const std::string& version, uint64_t published,
+               const std::string& secret) {
+    repository::ModelIndex index{.models = {{.scene = "kitchen",
+                                             .version = version,
+                                             .bytes = model_.size(),
+                                             .sha256 = DigestOf(model_),
+                                             .url = "model.treeline"}},
+                                 .scene_json = {},
+                                 .published_unix_s = published,
+                                 .signature = {}};
+    if (!secret.empty()) {
+      ASSERT_TRUE(repository::IndexSigner::FromPem(secret)->Sign(index).ok());
+    }
+    server_->Put("/index.json", repository::ModelIndexJson(index).value());
+  }
+  // The version that is listed; else why none is.
+  std::string Listed() {
+    const auto listing = source_->List();
+    return listing.ok() ? listing->models.at(0).version
+                        : base::ErrorInfoOf(listing.status()).reason;
+  }
+
+  const repository::TestKeyPair key_ = repository::MakeTestKeyPair();
+  const std::string stranger_ = repository::MakeTestKeyPair().secret;
+};
+
+TEST_F(SignedSource, OnlyWhatIsSignedIsListed) {
+  Publish("7", 100, "");
+  Open();
+  EXPECT_EQ(Listed(), "INDEX_UNSIGNED");
+  Publish("7", 100, stranger_);
+  EXPECT_EQ(Listed(), "INDEX_SIGNATURE_WRONG");
+  Publish("7", 100, key_.secret);
+  EXPECT_EQ(Listed(), "7");
+  EXPECT_TRUE(Fetch().ok());
+}
+
+TEST_F(SignedSource, TheLastOneStandsInForOneThatIsNotBelieved) {
+  Publish("7", 100, key_.secret);
+  Open();
+  EXPECT_EQ(Listed(), "7");
+  Publish("8", 200, stranger_);
+  EXPECT_EQ(Listed(), "7");
+  EXPECT_THAT(warnings_.back(), HasSubstr("going on with the last index"));
+  // After a restart, too.
+  Open();
+  EXPECT_EQ(Listed(), "7");
+  Publish("8", 200, key_.secret);
+  EXPECT_EQ(Listed(), "8");
+}
+
+TEST_F(SignedSource, AnOlderOneIsNotBelieved) {
+  Publish("8", 200, key_.secret);
+  Open();
+  EXPECT_EQ(Listed(), "8");
+  Publish("7", 100, key_.secret);
+  EXPECT_EQ(Listed(), "8");
+  EXPECT_THAT(warnings_.back(), HasSubstr("older than the last one"));
+}
+
+TEST_F(SignedSource, WhatWasKeptBeforeKeysWereAskedForMustBeSigned) {
+  const auto keys = std::exchange(options_.keys, nullptr);
+  Publish("7", 100, "");
+  Open();
+  EXPECT_EQ(Listed(), "7");
+  options_.keys = keys;
+  Open();
+  EXPECT_EQ(Listed(), "INDEX_UNSIGNED");
 }
 
 TEST_F(HttpsSource, PlainHttpToOtherMachinesIsRefusedAtTheStart) {

@@ -2,13 +2,17 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "CLI/CLI.hpp"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/repository/folder_source.h"
+#include "server/repository/index_signature.h"
 #include "server/tools/publish.h"
 
 namespace treeline::tools_app {
@@ -20,6 +24,11 @@ model.treeline, and DIR/<scene>/scene.json where a scene has one. The index
 names each model with its size and SHA-256. Copy the index last: servers then
 never look for what is not there yet.
 
+With --sign-key the index is signed, and servers that are given the public key
+(--models-keys) believe no other, whoever holds the web server:
+  openssl genpkey -algorithm ed25519 -out publisher.key
+  openssl pkey -in publisher.key -pubout -out publisher.pem
+
 Examples:
   treeline publish --models models
   rsync -r --exclude index.json models/ web:/srv/models/
@@ -29,23 +38,46 @@ Examples:
   aws s3 sync models s3://bucket/models --exclude index.json
   aws s3 cp models/index.json s3://bucket/models/index.json)";
 
+// An Ed25519 key in PEM is much shorter.
+constexpr size_t kMaxKeyBytes = 1 << 16;
+
 struct PublishFlags {
   std::string models;
   std::string output;
+  std::string sign_key;
   tools::PublishOptions options;
 };
+
+absl::StatusOr<std::optional<repository::IndexSigner>> SignerOf(
+    const PublishFlags& flags) {
+  if (flags.sign_key.empty()) return std::nullopt;
+  TL_ASSIGN_OR_RETURN(const std::string pem,
+                      base::ReadFile(flags.sign_key, kMaxKeyBytes));
+  auto signer = repository::IndexSigner::FromPem(pem);
+  if (!signer.ok()) return base::Annotate(signer.status(), flags.sign_key);
+  return *std::move(signer);
+}
 
 absl::Status Publish(const PublishFlags& flags, const std::stop_token& stop) {
   const std::string output =
       flags.output.empty() ? flags.models + "/index.json" : flags.output;
   TL_RETURN_IF_ERROR(base::CheckWritable(output));
+  TL_ASSIGN_OR_RETURN(const std::optional<repository::IndexSigner> signer,
+                      SignerOf(flags));
   repository::FolderSource source(flags.models);
   TL_ASSIGN_OR_RETURN(const repository::ModelIndex index,
                       tools::IndexModels(source, flags.options, stop));
-  TL_ASSIGN_OR_RETURN(const std::string text,
-                      repository::ModelIndexJson(index));
+  TL_ASSIGN_OR_RETURN(std::string text, repository::ModelIndexJson(index));
   // Reads what it wrote: a server that refused it would notice much later.
-  TL_RETURN_IF_ERROR(repository::ParseModelIndex(text).status());
+  TL_ASSIGN_OR_RETURN(repository::ModelIndex read,
+                      repository::ParseModelIndex(text));
+  if (signer.has_value()) {
+    // As servers read it.
+    read.published_unix_s =
+        static_cast<uint64_t>(absl::ToUnixSeconds(absl::Now()));
+    TL_RETURN_IF_ERROR(signer->Sign(read));
+    TL_ASSIGN_OR_RETURN(text, repository::ModelIndexJson(read));
+  }
   TL_RETURN_IF_ERROR(base::WriteFileAtomically(output, text));
   std::set<std::string> scenes;
   uint64_t bytes = 0;
@@ -53,9 +85,10 @@ absl::Status Publish(const PublishFlags& flags, const std::stop_token& stop) {
     scenes.insert(model.scene);
     bytes += model.bytes;
   }
-  std::printf("%s: %zu models of %zu scenes, %.1f MB\n", output.c_str(),
+  std::printf("%s: %zu models of %zu scenes, %.1f MB%s\n", output.c_str(),
               index.models.size(), scenes.size(),
-              static_cast<double>(bytes) / 1e6);
+              static_cast<double>(bytes) / 1e6,
+              signer.has_value() ? ", signed" : "");
   return absl::OkStatus();
 }
 
@@ -78,6 +111,10 @@ cli::Command AddPublishCommand(CLI::App& app) {
                    "Where the scenes will lie, ending with /; without: "
                    "beside the index")
       ->type_name("URL");
+  command
+      ->add_option("--sign-key", flags->sign_key,
+                   "Private Ed25519 key to sign the index with, PEM")
+      ->type_name("FILE");
   command->add_flag("--quiet", flags->options.quiet, "Show no progress");
   return {command, [flags](const std::stop_token& stop) {
             return Publish(*flags, stop);
