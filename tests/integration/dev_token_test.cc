@@ -13,10 +13,19 @@
 namespace treeline {
 namespace {
 
-TEST(MakeDevToken, MakesATokenThatTheServerTakes) {
+using MakeKey = std::string (*)();
+
+class MakeDevToken : public testing::TestWithParam<MakeKey> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    RsaAndEd25519, MakeDevToken,
+    testing::Values(MakeKey([] { return access::MakeRsaPrivateKey(); }),
+                    MakeKey(&access::MakeEd25519PrivateKey)));
+
+TEST_P(MakeDevToken, MakesATokenThatTheServerTakes) {
   const std::string folder = testing::TempDir() + "/dev-token";
   std::filesystem::create_directories(folder + "/keys");
-  const std::string key = access::MakeRsaPrivateKey();
+  const std::string key = GetParam()();
   ASSERT_TRUE(base::WriteFileAtomically(folder + "/mine.key", key).ok());
   ASSERT_TRUE(base::WriteFileAtomically(folder + "/keys/2026-11.pem",
                                         access::PublicKeyOf(key))
