@@ -61,11 +61,11 @@ EdgeAlignment::EdgeAlignment(const std::vector<image::Frame>& frames,
                              const camera::Camera& depth_camera,
                              double smoothing_px, int threads)
     : depth_camera_(depth_camera), threads_(threads), frames_(frames.size()) {
-  base::ParallelFor(
-      static_cast<int64_t>(frames.size()), threads, [&](int64_t i) {
-        const size_t f = static_cast<size_t>(i);
-        frames_[f] = EdgesOf(frames[f], smoothing_px);
-      });
+  base::ParallelFor(static_cast<int64_t>(frames.size()), threads,
+                    [&](int64_t i) {
+                      const size_t f = static_cast<size_t>(i);
+                      frames_[f] = EdgesOf(frames[f], smoothing_px);
+                    });
 }
 
 EdgeAlignment::EdgeFrame EdgeAlignment::EdgesOf(const image::Frame& frame,

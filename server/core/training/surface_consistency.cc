@@ -233,9 +233,8 @@ void SurfaceConsistency::PairResiduals(
   const PosedDepth& to = frames_[pair.to];
   std::vector<Motion> motions;
   for (const camera::RgbdCalibration& calibration : calibrations) {
-    const geometry::Rigid3 to_from =
-        WorldFromDepth(to, calibration).Inverse() *
-        WorldFromDepth(from, calibration);
+    const geometry::Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
+                                     WorldFromDepth(from, calibration);
     motions.push_back({to_from.rotation.Matrix(),
                        to_from.translation / calibration.depth_scale,
                        calibration.depth == calibration_.depth});
@@ -304,9 +303,8 @@ double SurfaceConsistency::Rms_m(double cutoff_m) const {
     for (size_t i = 0; i < pair.pixels.size(); ++i) {
       const Partner& partner = pair.partners[i];
       if (partner.pixel < 0) continue;
-      const auto point =
-          DepthPoint(from, calibration_, static_cast<int>(pair.pixels[i]),
-                     pair.rays[i]);
+      const auto point = DepthPoint(
+          from, calibration_, static_cast<int>(pair.pixels[i]), pair.rays[i]);
       const auto surface =
           DepthPoint(to, calibration_, partner.pixel, pair.partner_rays[i]);
       if (!point || !surface) continue;
