@@ -64,9 +64,6 @@ constexpr int kIterations = 12;
 constexpr double kMaxResidualSigmas = 4;
 constexpr double kMaxInitialResidualSigmas = 10;
 constexpr double kReportCutoff_m = 0.1;
-// Shares of the first steps of the edge search below which it ends: a pixel's
-// fiftieth.
-constexpr double kLeastEdgeStep = 0.01;
 // The surface fit is kept if it lowers their distance by this share.
 constexpr double kMinImprovement = 0.03;
 constexpr std::array<double, 2> kSmoothing_px = {3.0, 1.5};
@@ -225,10 +222,6 @@ void ClimbEdges(const EdgeAlignment& edges,
   double best = edges.Strength(Apply(nominal, x));
   double scale = step_scale;
   for (int sweep = 0; sweep < kSweeps && !stop.stop_requested(); ++sweep) {
-    if (scale < kLeastEdgeStep) {
-      progress.Add(kSweeps - sweep);
-      return;
-    }
     bool improved = false;
     for (size_t u = 0; u < kUnknowns; ++u) {
       if (!unknowns[u]) continue;
