@@ -187,6 +187,8 @@ class SurfaceFit {
             (residuals[r + 1 + 2 * c] - residuals[r + 2 + 2 * c]) /
             (2 * kStep[unknowns_[c]]);
       }
+      // Where a distorted image folds, rays have no derivative.
+      if (!row.allFinite()) continue;
       const double t = residual / cutoff;
       const double weight =
           (1 - t * t) * (1 - t * t) / (kPointsPerObservation * variance);
