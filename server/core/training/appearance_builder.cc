@@ -31,6 +31,20 @@ struct ImageWords {
   std::vector<uint32_t> words;
 };
 
+absl::Status Extract(const dataset::Dataset& dataset, int image,
+                     ImageWords& part) {
+  TL_ASSIGN_OR_RETURN(dataset::Dataset::Encoded encoded,
+                      dataset.ReadEncoded(image));
+  encoded.depth.clear();  // decoded for nothing
+  const absl::StatusOr<image::Frame> frame = dataset.Decode(encoded);
+  if (!frame.ok()) {
+    return base::Annotate(frame.status(), dataset.frame(image).color_path);
+  }
+  recognition::AppearanceWords words;
+  part.words = words.Extract(frame->color);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<recognition::SceneDescriptor> BuildSceneDescriptor(
@@ -45,18 +59,13 @@ absl::StatusOr<recognition::SceneDescriptor> BuildSceneDescriptor(
     base::Progress progress(
         "appearance", std::max<int64_t>(1, static_cast<int64_t>(images.size())),
         quiet);
-    base::ParallelFor(static_cast<int64_t>(images.size()), options.threads,
-                      [&](int64_t i) {
-                        if (stop.stop_requested()) return;
-                        ImageWords& part = parts[static_cast<size_t>(i)];
-                        const absl::StatusOr<image::Frame> frame =
-                            dataset.Load(images[static_cast<size_t>(i)]);
-                        part.status = frame.status();
-                        if (!frame.ok()) return;
-                        recognition::AppearanceWords words;
-                        part.words = words.Extract(frame->color);
-                        progress.Add(1);
-                      });
+    base::ParallelFor(
+        static_cast<int64_t>(images.size()), options.threads, [&](int64_t i) {
+          if (stop.stop_requested()) return;
+          ImageWords& part = parts[static_cast<size_t>(i)];
+          part.status = Extract(dataset, images[static_cast<size_t>(i)], part);
+          progress.Add(1);
+        });
   }
   if (stop.stop_requested()) {
     return absl::CancelledError("training was interrupted");

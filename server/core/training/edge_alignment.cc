@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/parallel_for.h"
 #include "opencv2/imgproc.hpp"
 
 namespace treeline::training {
@@ -58,72 +59,92 @@ std::vector<float> EdgeStrength(const image::ColorImage& image,
 
 EdgeAlignment::EdgeAlignment(const std::vector<image::Frame>& frames,
                              const camera::Camera& depth_camera,
-                             double smoothing_px)
-    : depth_camera_(depth_camera) {
-  for (const image::Frame& frame : frames) {
-    EdgeFrame edges;
-    edges.width = frame.color.width;
-    edges.height = frame.color.height;
-    edges.strength = EdgeStrength(frame.color, smoothing_px);
-    const image::DepthImage& depth = *frame.depth;
-    const auto depth_m = [&](int u, int v) {
-      const uint16_t value = depth.values[static_cast<size_t>(v) *
-                                              static_cast<size_t>(depth.width) +
-                                          static_cast<size_t>(u)];
-      return image::IsMeasured(value) ? value * depth.unit_m : 0.0;
-    };
-    for (int v = 2; v + 2 < depth.height; ++v) {
-      for (int u = 2; u + 2 < depth.width; ++u) {
-        const double z = depth_m(u, v);
-        if (z <= 0 || z > kMaxEdgeDepth_m) continue;
-        constexpr std::array<std::array<int, 2>, 4> kNeighbours = {
-            {{2, 0}, {-2, 0}, {0, 2}, {0, -2}}};
-        for (const auto& d : kNeighbours) {
-          if (depth_m(u + d[0], v + d[1]) <= z * (1 + kEdgeJump)) continue;
-          // The edge runs between the two pixels.
-          const camera::Pixel edge = {u + 0.5 * d[0], v + 0.5 * d[1]};
-          edges.edges.push_back(
-              {edge, depth_camera.Unproject(edge), static_cast<float>(z)});
-          break;
-        }
+                             double smoothing_px, int threads)
+    : depth_camera_(depth_camera), threads_(threads), frames_(frames.size()) {
+  base::ParallelFor(static_cast<int64_t>(frames.size()), threads,
+                    [&](int64_t i) {
+                      const size_t f = static_cast<size_t>(i);
+                      frames_[f] = EdgesOf(frames[f], smoothing_px);
+                    });
+}
+
+EdgeAlignment::EdgeFrame EdgeAlignment::EdgesOf(const image::Frame& frame,
+                                                double smoothing_px) const {
+  EdgeFrame edges;
+  edges.width = frame.color.width;
+  edges.height = frame.color.height;
+  edges.strength = EdgeStrength(frame.color, smoothing_px);
+  const image::DepthImage& depth = *frame.depth;
+  const auto depth_m = [&](int u, int v) {
+    const uint16_t value =
+        depth.values[static_cast<size_t>(v) * static_cast<size_t>(depth.width) +
+                     static_cast<size_t>(u)];
+    return image::IsMeasured(value) ? value * depth.unit_m : 0.0;
+  };
+  for (int v = 2; v + 2 < depth.height; ++v) {
+    for (int u = 2; u + 2 < depth.width; ++u) {
+      const double z = depth_m(u, v);
+      if (z <= 0 || z > kMaxEdgeDepth_m) continue;
+      constexpr std::array<std::array<int, 2>, 4> kNeighbours = {
+          {{2, 0}, {-2, 0}, {0, 2}, {0, -2}}};
+      for (const auto& d : kNeighbours) {
+        if (depth_m(u + d[0], v + d[1]) <= z * (1 + kEdgeJump)) continue;
+        // The edge runs between the two pixels.
+        const camera::Pixel edge = {u + 0.5 * d[0], v + 0.5 * d[1]};
+        edges.edges.push_back(
+            {edge, depth_camera_.Unproject(edge), static_cast<float>(z)});
+        break;
       }
     }
-    frames_.push_back(std::move(edges));
   }
+  return edges;
+}
+
+EdgeAlignment::Sum EdgeAlignment::StrengthIn(
+    const EdgeFrame& frame, const camera::RgbdCalibration& calibration) const {
+  const bool rays_are_known = calibration.depth == depth_camera_;
+  Sum sum;
+  for (const EdgePixel& edge : frame.edges) {
+    const auto ray =
+        rays_are_known ? edge.ray : calibration.depth.Unproject(edge.pixel);
+    if (!ray) continue;
+    const double z = calibration.depth_scale * edge.depth_m;
+    const camera::Pixel p =
+        calibration.color.Project(calibration.color_from_depth *
+                                  geometry::Vec3{ray->x * z, ray->y * z, z});
+    ++sum.edges;
+    if (!(p.x >= 0 && p.y >= 0 && p.x < frame.width - 1 &&
+          p.y < frame.height - 1)) {
+      continue;
+    }
+    const int x = static_cast<int>(p.x);
+    const int y = static_cast<int>(p.y);
+    const double fx = p.x - x;
+    const double fy = p.y - y;
+    const float* s = frame.strength.data() +
+                     static_cast<size_t>(y) * static_cast<size_t>(frame.width) +
+                     static_cast<size_t>(x);
+    sum.strength += (1 - fy) * ((1 - fx) * s[0] + fx * s[1]) +
+                    fy * ((1 - fx) * s[frame.width] + fx * s[frame.width + 1]);
+  }
+  return sum;
 }
 
 double EdgeAlignment::Strength(
     const camera::RgbdCalibration& calibration) const {
-  const bool rays_are_known = calibration.depth == depth_camera_;
-  double sum = 0;
-  int64_t count = 0;
-  for (const EdgeFrame& frame : frames_) {
-    for (const EdgePixel& edge : frame.edges) {
-      const auto ray =
-          rays_are_known ? edge.ray : calibration.depth.Unproject(edge.pixel);
-      if (!ray) continue;
-      const double z = calibration.depth_scale * edge.depth_m;
-      const camera::Pixel p =
-          calibration.color.Project(calibration.color_from_depth *
-                                    geometry::Vec3{ray->x * z, ray->y * z, z});
-      ++count;
-      if (!(p.x >= 0 && p.y >= 0 && p.x < frame.width - 1 &&
-            p.y < frame.height - 1)) {
-        continue;
-      }
-      const int x = static_cast<int>(p.x);
-      const int y = static_cast<int>(p.y);
-      const double fx = p.x - x;
-      const double fy = p.y - y;
-      const float* s =
-          frame.strength.data() +
-          static_cast<size_t>(y) * static_cast<size_t>(frame.width) +
-          static_cast<size_t>(x);
-      sum += (1 - fy) * ((1 - fx) * s[0] + fx * s[1]) +
-             fy * ((1 - fx) * s[frame.width] + fx * s[frame.width + 1]);
-    }
+  std::vector<Sum> sums(frames_.size());
+  base::ParallelFor(static_cast<int64_t>(frames_.size()), threads_,
+                    [&](int64_t i) {
+                      const size_t f = static_cast<size_t>(i);
+                      sums[f] = StrengthIn(frames_[f], calibration);
+                    });
+  // In the order of the frames, whichever thread was first.
+  Sum all;
+  for (const Sum& sum : sums) {
+    all.strength += sum.strength;
+    all.edges += sum.edges;
   }
-  return count == 0 ? 0 : sum / static_cast<double>(count);
+  return all.edges == 0 ? 0 : all.strength / static_cast<double>(all.edges);
 }
 
 }  // namespace treeline::training

@@ -2,6 +2,7 @@
 #ifndef SERVER_CORE_TRAINING_EDGE_ALIGNMENT_H_
 #define SERVER_CORE_TRAINING_EDGE_ALIGNMENT_H_
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,8 @@ class EdgeAlignment {
   // with this depth camera are compared fastest: undistorting pixels is what
   // costs most.
   EdgeAlignment(const std::vector<image::Frame>& frames,
-                const camera::Camera& depth_camera, double smoothing_px);
+                const camera::Camera& depth_camera, double smoothing_px,
+                int threads);
 
   // Mean colour edge strength, normalised per image to mean 1, at the depth
   // edges as `calibration` projects them; larger is better.
@@ -38,7 +40,17 @@ class EdgeAlignment {
     int height = 0;
     std::vector<float> strength;  // of the colour image, row-major
   };
+  EdgeFrame EdgesOf(const image::Frame& frame, double smoothing_px) const;
+  // Sum over the edges that have a ray, and their number.
+  struct Sum {
+    double strength = 0;
+    int64_t edges = 0;
+  };
+  Sum StrengthIn(const EdgeFrame& frame,
+                 const camera::RgbdCalibration& calibration) const;
+
   const camera::Camera depth_camera_;
+  const int threads_;
   std::vector<EdgeFrame> frames_;
 };
 

@@ -1,6 +1,7 @@
 #include "server/core/training/forest_trainer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <span>
@@ -15,7 +16,6 @@
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/quantize_forest.h"
 #include "server/core/training/tree_grower.h"
-#include "server/core/training/tree_pruner.h"
 
 namespace treeline::training {
 namespace {
@@ -37,14 +37,31 @@ std::vector<int> DrawFrames(std::vector<int> frames, int count,
   return frames;
 }
 
-// Of each tree, the frames that it is grown from.
+// Of each tree, the frames that it is grown from: of the first ones as large a
+// share as they have of all, so that no first tree is without.
 std::vector<std::vector<int>> DrawFramesOfTrees(
-    const std::vector<int>& usable, const TrainingOptions& options) {
+    const std::vector<int>& usable, std::span<const int> first_frames,
+    const TrainingOptions& options) {
+  std::vector<int> others;
+  std::ranges::set_difference(usable, first_frames, std::back_inserter(others));
+  const int64_t count = std::min<int64_t>(options.frames_per_tree,
+                                          static_cast<int64_t>(usable.size()));
+  const int64_t of_first =
+      (count * static_cast<int64_t>(first_frames.size()) +
+       static_cast<int64_t>(usable.size()) - 1) /
+      static_cast<int64_t>(std::max<size_t>(usable.size(), 1));
   std::vector<std::vector<int>> frames_of_tree;
   for (int t = 0; t < options.trees; ++t) {
-    frames_of_tree.push_back(DrawFrames(
-        usable, options.frames_per_tree,
-        base::Random(options.seed, kFrameStream + static_cast<uint64_t>(t))));
+    const base::Random random(options.seed,
+                              kFrameStream + static_cast<uint64_t>(t));
+    std::vector<int> frames =
+        DrawFrames(others, static_cast<int>(count - of_first), random);
+    const std::vector<int> first =
+        DrawFrames({first_frames.begin(), first_frames.end()},
+                   static_cast<int>(of_first), random);
+    frames.insert(frames.end(), first.begin(), first.end());
+    std::ranges::sort(frames);
+    frames_of_tree.push_back(std::move(frames));
   }
   return frames_of_tree;
 }
@@ -71,10 +88,12 @@ class Trainer {
  public:
   Trainer(const dataset::Dataset& dataset,
           const camera::RgbdCalibration& calibration,
-          const TrainingOptions& options, bool quiet, std::stop_token stop)
+          const TrainingOptions& options, std::span<const int> first_frames,
+          bool quiet, std::stop_token stop)
       : dataset_(dataset),
         geometry_(calibration),
         options_(options),
+        first_frames_(first_frames),
         quiet_(quiet),
         stop_(std::move(stop)) {}
 
@@ -89,8 +108,10 @@ class Trainer {
                          LoadedFrame& loaded) const;
   absl::Status GrowGroup(int first, int last, const std::vector<int>& frames,
                          std::vector<LoadedFrame>& loaded);
-  void GrowInRounds(
-      const std::vector<std::unique_ptr<TreeGrower>>& growers) const;
+  using Growers = std::vector<std::unique_ptr<TreeGrower>>;
+  void GrowInRounds(const Growers& growers) const;
+  void JoinOthers(const Growers& growers) const;
+  std::vector<GrownTree> Assemble(const Growers& growers) const;
   absl::Status CheckStop() const {
     return stop_.stop_requested()
                ? absl::CancelledError("training was interrupted")
@@ -100,6 +121,7 @@ class Trainer {
   const dataset::Dataset& dataset_;
   const features::DepthGeometry geometry_;
   const TrainingOptions& options_;
+  const std::span<const int> first_frames_;  // empty: all
   const bool quiet_;
   const std::stop_token stop_;
   std::vector<std::vector<int>> frames_of_tree_;
@@ -114,7 +136,7 @@ absl::StatusOr<GrownTrees> Trainer::Grow(TreeRange range) {
                      ": no frame has both a pose and depth, so there is "
                      "nothing to learn from"));
   }
-  frames_of_tree_ = DrawFramesOfTrees(usable, options_);
+  frames_of_tree_ = DrawFramesOfTrees(usable, first_frames_, options_);
   for (int first = range.first; first < range.last;) {
     const int last = GroupEnd(first, range.last);
     TL_RETURN_IF_ERROR(TrainGroup(first, last));
@@ -183,20 +205,23 @@ absl::Status Trainer::TrainGroup(int first, int last) {
   return GrowGroup(first, last, frames, loaded);
 }
 
+// What is done to a chunk or a frame of a tree.
+struct Task {
+  TreeGrower* grower;
+  size_t index;
+};
+
+template <typename Step>
+void RunAll(const std::vector<Task>& tasks, int threads, Step step) {
+  base::ParallelFor(static_cast<int64_t>(tasks.size()), threads,
+                    [&](int64_t i) {
+                      const Task& task = tasks[static_cast<size_t>(i)];
+                      (task.grower->*step)(task.index);
+                    });
+}
+
 // Until all are grown, or training is to stop.
-void Trainer::GrowInRounds(
-    const std::vector<std::unique_ptr<TreeGrower>>& growers) const {
-  struct Task {
-    TreeGrower* grower;
-    size_t index;  // of a chunk or a frame
-  };
-  const auto run = [&](const std::vector<Task>& tasks, auto step) {
-    base::ParallelFor(static_cast<int64_t>(tasks.size()), options_.threads,
-                      [&](int64_t i) {
-                        const Task& task = tasks[static_cast<size_t>(i)];
-                        (task.grower->*step)(task.index);
-                      });
-  };
+void Trainer::GrowInRounds(const Growers& growers) const {
   int64_t total = 0;
   for (const auto& grower : growers) total += grower->total_work();
   base::Progress progress("growing trees", total, quiet_);
@@ -220,13 +245,35 @@ void Trainer::GrowInRounds(
     finished = now_finished;
     if (chunks.empty()) return;
     // Trees that share a frame read it one after the other.
-    std::stable_sort(
-        frames.begin(), frames.end(),
-        [](const Task& a, const Task& b) { return a.index < b.index; });
-    run(chunks, &TreeGrower::Prepare);
-    run(frames, &TreeGrower::EvaluateFrame);
-    run(chunks, &TreeGrower::SplitNodes);
+    std::ranges::stable_sort(frames, {}, &Task::index);
+    RunAll(chunks, options_.threads, &TreeGrower::Prepare);
+    RunAll(frames, options_.threads, &TreeGrower::EvaluateFrame);
+    RunAll(chunks, options_.threads, &TreeGrower::SplitNodes);
   }
+}
+
+void Trainer::JoinOthers(const Growers& growers) const {
+  std::vector<Task> frames;
+  for (const auto& grower : growers) {
+    for (size_t f = 0; f < grower->frames(); ++f) {
+      frames.push_back({grower.get(), f});
+    }
+  }
+  std::ranges::stable_sort(frames, {}, &Task::index);
+  RunAll(frames, options_.threads, &TreeGrower::RouteFrame);
+  base::ParallelFor(
+      static_cast<int64_t>(growers.size()), options_.threads,
+      [&](int64_t i) { growers[static_cast<size_t>(i)]->Join(); });
+}
+
+std::vector<GrownTree> Trainer::Assemble(const Growers& growers) const {
+  std::vector<GrownTree> grown(growers.size());
+  base::ParallelFor(static_cast<int64_t>(growers.size()), options_.threads,
+                    [&](int64_t i) {
+                      const size_t g = static_cast<size_t>(i);
+                      grown[g] = growers[g]->Assemble();
+                    });
+  return grown;
 }
 
 absl::Status Trainer::GrowGroup(int first, int last,
@@ -234,29 +281,35 @@ absl::Status Trainer::GrowGroup(int first, int last,
                                 std::vector<LoadedFrame>& loaded) {
   const size_t trees = static_cast<size_t>(last - first);
   std::vector<TreeSamples> samples(trees);
-  std::vector<std::unique_ptr<TreeGrower>> growers(trees);
+  Growers growers(trees);
   base::ParallelFor(
       static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
         const size_t g = static_cast<size_t>(i);
         const int tree = first + static_cast<int>(i);
         std::vector<const features::PlanarImage*> images;
+        std::vector<uint8_t> waits;
         for (int frame : frames_of_tree_[static_cast<size_t>(tree)]) {
           LoadedFrame& slot = loaded[static_cast<size_t>(
               std::lower_bound(frames.begin(), frames.end(), frame) -
               frames.begin())];
           images.push_back(&slot.image);
+          waits.push_back(!first_frames_.empty() &&
+                          !std::ranges::binary_search(first_frames_, frame));
           TreeSamples& of_frame = slot.samples[tree];
           samples[g].Append(of_frame);
           of_frame = TreeSamples{};
         }
         growers[g] = std::make_unique<TreeGrower>(
-            options_, tree, std::move(images), samples[g]);
+            options_, tree, std::move(images), std::move(waits), samples[g]);
       });
   int64_t total = 0;
   for (const TreeSamples& of_tree : samples) {
     total += static_cast<int64_t>(of_tree.size());
   }
-  if (total == 0) {
+  // There may be none in the frames that come first.
+  if (std::ranges::all_of(growers, [](const auto& grower) {
+        return grower->total_work() == 0;
+      })) {
     return absl::FailedPreconditionError(absl::StrCat(
         dataset_.uri(), options_.line_points
                             ? ": no line segment of the frames has usable "
@@ -266,15 +319,17 @@ absl::Status Trainer::GrowGroup(int first, int last,
   }
   GrowInRounds(growers);
   TL_RETURN_IF_ERROR(CheckStop());
-  std::vector<GrownTree> grown(trees);
-  base::ParallelFor(
-      static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
-        const size_t g = static_cast<size_t>(i);
-        grown[g] = PruneTree(growers[g]->Assemble(),
-                             static_cast<uint32_t>(options_.min_kept_samples));
-        growers[g].reset();
-      });
-  for (GrownTree& tree : grown) result_.trees.push_back(std::move(tree));
+  if (!first_frames_.empty()) {
+    for (GrownTree& tree : Assemble(growers)) {
+      result_.first.push_back(std::move(tree));
+    }
+    JoinOthers(growers);
+    GrowInRounds(growers);
+    TL_RETURN_IF_ERROR(CheckStop());
+  }
+  for (GrownTree& tree : Assemble(growers)) {
+    result_.trees.push_back(std::move(tree));
+  }
   result_.samples += total;
   return absl::OkStatus();
 }
@@ -284,6 +339,7 @@ absl::Status Trainer::GrowGroup(int first, int last,
 absl::StatusOr<GrownTrees> GrowTrees(const dataset::Dataset& dataset,
                                      const camera::RgbdCalibration& calibration,
                                      const TrainingOptions& options,
+                                     std::span<const int> first_frames,
                                      TreeRange range, bool quiet,
                                      std::stop_token stop) {
   TL_RETURN_IF_ERROR(options.Validate());
@@ -297,27 +353,43 @@ absl::StatusOr<GrownTrees> GrowTrees(const dataset::Dataset& dataset,
     return absl::InvalidArgumentError(
         "the calibration's poses are of another sensor than the dataset's");
   }
-  return Trainer(dataset, calibration, options, quiet, std::move(stop))
+  return Trainer(dataset, calibration, options, first_frames, quiet,
+                 std::move(stop))
       .Grow(range);
 }
 
 int CountDrawnFrames(const dataset::Dataset& dataset,
-                     const TrainingOptions& options) {
+                     const TrainingOptions& options,
+                     std::span<const int> first_frames) {
   return static_cast<int>(
-      Union(DrawFramesOfTrees(UsableFrames(dataset), options)).size());
+      Union(DrawFramesOfTrees(UsableFrames(dataset), first_frames, options))
+          .size());
+}
+
+absl::StatusOr<TrainedForests> TrainForests(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const TrainingOptions& options, std::span<const int> first_frames,
+    bool quiet, std::stop_token stop) {
+  TL_ASSIGN_OR_RETURN(GrownTrees grown,
+                      GrowTrees(dataset, calibration, options, first_frames,
+                                {0, options.trees}, quiet, std::move(stop)));
+  TrainedForests trained;
+  trained.all.frames = CountDrawnFrames(dataset, options, first_frames);
+  trained.all.samples = grown.samples;
+  trained.all.forest = QuantizeForest(std::move(grown.trees));
+  if (!first_frames.empty()) {
+    trained.first = QuantizeForest(std::move(grown.first));
+  }
+  return trained;
 }
 
 absl::StatusOr<TrainedForest> TrainForest(
     const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
     const TrainingOptions& options, bool quiet, std::stop_token stop) {
-  TL_ASSIGN_OR_RETURN(GrownTrees grown,
-                      GrowTrees(dataset, calibration, options,
-                                {0, options.trees}, quiet, std::move(stop)));
-  TrainedForest trained;
-  trained.frames = CountDrawnFrames(dataset, options);
-  trained.samples = grown.samples;
-  trained.forest = QuantizeForest(std::move(grown.trees));
-  return trained;
+  TL_ASSIGN_OR_RETURN(
+      TrainedForests trained,
+      TrainForests(dataset, calibration, options, {}, quiet, std::move(stop)));
+  return std::move(trained.all);
 }
 
 }  // namespace treeline::training

@@ -3,6 +3,7 @@
 #define SERVER_CORE_TRAINING_FOREST_TRAINER_H_
 
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct TrainedForest {
 
 // Trees of a forest, before positions are stored relative to the bounds of all.
 struct GrownTrees {
+  // As they were before the other frames joined; empty where all frames were
+  // there from the beginning.
+  std::vector<GrownTree> first;
   std::vector<GrownTree> trees;
   int64_t samples = 0;  // over these trees
 };
@@ -33,18 +37,20 @@ struct TreeRange {
   int last = 0;
 };
 
-// Grows some of the trees that TrainForest would grow: each is the same to the
-// bit, whichever are grown with it. Errors as TrainForest, and INVALID_ARGUMENT
-// for a range that is empty or not within [0, options.trees).
+// Grows some of the trees that TrainForests would grow: each is the same to the
+// bit, whichever are grown with it. Errors as TrainForests, and
+// INVALID_ARGUMENT for a range that is empty or not within [0, options.trees).
 absl::StatusOr<GrownTrees> GrowTrees(const dataset::Dataset& dataset,
                                      const camera::RgbdCalibration& calibration,
                                      const TrainingOptions& options,
+                                     std::span<const int> first_frames,
                                      TreeRange range, bool quiet,
                                      std::stop_token stop);
 
 // How many distinct frames of `dataset` all trees of a forest draw together.
 int CountDrawnFrames(const dataset::Dataset& dataset,
-                     const TrainingOptions& options);
+                     const TrainingOptions& options,
+                     std::span<const int> first_frames);
 
 // Grows a forest (thesis 4.2.3) on the frames of `dataset` that have a pose
 // and depth. `calibration` holds for every frame; its pose_sensor must be the
@@ -57,6 +63,22 @@ int CountDrawnFrames(const dataset::Dataset& dataset,
 absl::StatusOr<TrainedForest> TrainForest(
     const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
     const TrainingOptions& options, bool quiet, std::stop_token stop);
+
+struct TrainedForests {
+  // Of the first frames alone.
+  forest::Forest first;
+  TrainedForest all;
+};
+
+// The same in two rounds: some frames, ascending indices of those with a pose
+// and depth, come first; the other frames then join the trees that grew from
+// them, and growth goes on. The first forest knows nothing of the others, so
+// that those can show what its answers are worth. If there are no first frames,
+// nor is there a first forest.
+absl::StatusOr<TrainedForests> TrainForests(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const TrainingOptions& options, std::span<const int> first_frames,
+    bool quiet, std::stop_token stop);
 
 }  // namespace treeline::training
 

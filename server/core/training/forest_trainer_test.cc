@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -45,6 +46,10 @@ class ForestTrainerTest : public testing::Test {
     if (!dataset.ok()) return dataset.status();
     return TrainForest(*dataset, dataset->calibration(), options, true, {});
   }
+
+  // Of the recording's first frames; kFirst of them before the others.
+  static absl::StatusOr<TrainedForests> TrainInRounds(
+      const TrainingOptions& options, int frames);
 
   static std::string* folder_;
 };
@@ -119,6 +124,97 @@ TEST_F(ForestTrainerTest, DoesNotDependOnHowManyTreesFitIntoMemory) {
   const auto apart = Train(options);
   ASSERT_TRUE(together.ok() && apart.ok());
   EXPECT_TRUE(SameBytes(together->forest, apart->forest));
+}
+
+constexpr int kFirst[] = {0, 1, 2, 6, 7, 8};
+
+absl::StatusOr<TrainedForests> ForestTrainerTest::TrainInRounds(
+    const TrainingOptions& options, int frames) {
+  const auto dataset = dataset::Dataset::Open(Recording());
+  if (!dataset.ok()) return dataset.status();
+  std::vector<int> all(static_cast<size_t>(frames));
+  std::iota(all.begin(), all.end(), 0);
+  return TrainForests(dataset->Subset(all), dataset->calibration(), options,
+                      kFirst, true, {});
+}
+
+TEST_F(ForestTrainerTest, FramesJoinTreesThatAreGrownWithoutThem) {
+  const auto trained = TrainInRounds(Small(), 12);
+  ASSERT_TRUE(trained.ok()) << trained.status();
+  for (const forest::ForestView& forest :
+       {trained->first.View(), trained->all.forest.View()}) {
+    EXPECT_TRUE(forest.Validate().ok()) << forest.Validate();
+    EXPECT_EQ(forest.trees(), 3);
+  }
+  const auto count = [](const forest::Forest& forest) {
+    int64_t samples = 0;
+    for (const forest::LeafPayload& leaf : forest.payloads) {
+      EXPECT_GE(leaf.count, 1);
+      samples += leaf.count;
+    }
+    return samples;
+  };
+  EXPECT_EQ(count(trained->first), 3 * 6 * 200);
+  EXPECT_EQ(count(trained->all.forest), 3 * 12 * 200);
+  EXPECT_EQ(trained->all.samples, 3 * 12 * 200);
+  EXPECT_EQ(trained->all.frames, 12);
+}
+
+// Else what the others show of its answers would promise too much.
+TEST_F(ForestTrainerTest, TheFirstForestKnowsNothingOfTheFramesThatJoin) {
+  const auto trained = TrainInRounds(Small(), 12);
+  const auto with_fewer = TrainInRounds(Small(), 9);
+  ASSERT_TRUE(trained.ok() && with_fewer.ok());
+  EXPECT_TRUE(SameBytes(trained->first, with_fewer->first));
+  EXPECT_FALSE(SameBytes(trained->all.forest, with_fewer->all.forest));
+}
+
+// A leaf is worth a split as long as its samples lie apart, whether they were
+// there first or joined.
+TEST_F(ForestTrainerTest, LeavesAreSplitFurtherForFramesThatJoin) {
+  TrainingOptions options = Small();
+  options.max_depth = 40;
+  options.min_spread_m = 0.2;
+  const auto trained = TrainInRounds(options, 12);
+  const auto at_once = Train(options);
+  ASSERT_TRUE(trained.ok() && at_once.ok());
+  const auto spread = [](const forest::Forest& forest) {
+    double sum = 0;
+    for (const forest::LeafPayload& leaf : forest.payloads) {
+      for (const size_t k : {0u, 3u, 5u}) {
+        sum += leaf.count *
+               static_cast<double>(forest::FromBfloat16(leaf.covariance[k]));
+      }
+    }
+    return sum / (3 * 12 * 200);
+  };
+  EXPECT_LT(spread(trained->all.forest), 1.5 * spread(at_once->forest));
+}
+
+TEST_F(ForestTrainerTest, RoundsDependOnNeitherThreadsNorMemory) {
+  TrainingOptions options = Small();
+  options.threads = 1;
+  const auto one = TrainInRounds(options, 12);
+  ASSERT_TRUE(one.ok()) << one.status();
+  options.threads = 8;
+  options.image_memory_bytes = 1;  // one tree at a time
+  const auto many = TrainInRounds(options, 12);
+  ASSERT_TRUE(many.ok());
+  EXPECT_TRUE(SameBytes(one->first, many->first));
+  EXPECT_TRUE(SameBytes(one->all.forest, many->all.forest));
+}
+
+TEST_F(ForestTrainerTest, EveryTreeHasFirstFrames) {
+  TrainingOptions options = Small();
+  options.frames_per_tree = 2;
+  const auto trained = TrainInRounds(options, 12);
+  ASSERT_TRUE(trained.ok()) << trained.status();
+  int64_t samples = 0;
+  for (const forest::LeafPayload& leaf : trained->first.payloads) {
+    samples += leaf.count;
+  }
+  EXPECT_EQ(samples, 3 * 1 * 200);
+  EXPECT_EQ(trained->all.samples, 3 * 2 * 200);
 }
 
 TEST_F(ForestTrainerTest, TheSeedDecides) {

@@ -90,12 +90,11 @@ std::optional<geometry::Vec3> NormalAt(
 
 std::vector<keyframes::KeyframePoint> SelectPoints(
     const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistrar& registration, int count) {
+    const image::DepthRegistrar& registration,
+    const std::vector<geometry::Vec3>& in_color, int count) {
   features::GrayPyramid pyramid;
   pyramid.Assign(features::PlanarImage(frame.color));
   const features::GrayPyramid::Level& gray = pyramid.level(1);
-  const std::vector<geometry::Vec3> in_color =
-      registration.PointsInColor(*frame.depth);
   const int cell = std::max(
       2, static_cast<int>(std::sqrt(1.0 * gray.width * gray.height / count)));
   std::vector<keyframes::KeyframePoint> points;
@@ -157,7 +156,8 @@ std::vector<keyframes::KeyframePoint> SelectPoints(
 // The SIFT features that stand where depth was measured.
 absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
     const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistrar& registration, features::SiftKind kind,
+    const image::DepthRegistrar& registration,
+    const std::vector<geometry::Vec3>& in_color, features::SiftKind kind,
     int count) {
   std::vector<keyframes::KeyframeFeature> features;
   if (count == 0) return features;
@@ -167,8 +167,6 @@ absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
       const features::SiftFeatures found,
       keyframes::ExtractKeyframeSift(frame.color, kind,
                                      {.max_features = 2 * count}, fast_sift));
-  const std::vector<geometry::Vec3> in_color =
-      registration.PointsInColor(*frame.depth);
   for (size_t i = 0; i < found.size(); ++i) {
     if (features.size() == static_cast<size_t>(count)) break;
     const std::optional<geometry::Vec3> point =
@@ -197,11 +195,13 @@ absl::Status Select(const dataset::Dataset& dataset,
                     const image::DepthRegistrar& registration,
                     const KeyframeOptions& options, SelectedParts& parts) {
   TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(selected.frame));
+  const std::vector<geometry::Vec3> in_color =
+      registration.PointsInColor(*frame.depth);
   parts.points = SelectPoints(frame, selected.world_from_color, registration,
-                              options.points);
+                              in_color, options.points);
   TL_ASSIGN_OR_RETURN(
       parts.features,
-      SelectFeatures(frame, selected.world_from_color, registration,
+      SelectFeatures(frame, selected.world_from_color, registration, in_color,
                      options.sift, options.features));
   return absl::OkStatus();
 }

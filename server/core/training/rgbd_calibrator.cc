@@ -117,13 +117,13 @@ camera::RgbdCalibration Apply(const camera::RgbdCalibration& nominal,
   return calibration;
 }
 
-// Of residuals in units of the depth noise; 0 stands for none. Poses have
-// errors, too: where surfaces lie further apart than noise explains, they tell
-// less.
-double RobustVariance(const std::vector<double>& residuals) {
+// Of every stride-th of the residuals, in units of the depth noise; 0 stands
+// for none. Poses have errors, too: where surfaces lie further apart than noise
+// explains, they tell less.
+double RobustVariance(const std::vector<double>& residuals, size_t stride) {
   std::vector<double> sizes;
-  for (const double residual : residuals) {
-    if (residual != 0) sizes.push_back(std::abs(residual));
+  for (size_t r = 0; r < residuals.size(); r += stride) {
+    if (residuals[r] != 0) sizes.push_back(std::abs(residuals[r]));
   }
   if (sizes.empty()) return 1;
   const auto middle =
@@ -162,38 +162,38 @@ class SurfaceFit {
  private:
   void Step(Values& x, double cutoff) {
     const size_t n = unknowns_.size();
-    surfaces_.Associate(Apply(nominal_, x));
-    std::vector<double> residuals;
-    surfaces_.Residuals(Apply(nominal_, x), residuals);
-    // Columns of the Jacobian by central differences, two evaluations each.
-    std::vector<std::vector<double>> shifted(2 * n);
-    base::ParallelFor(static_cast<int64_t>(2 * n), threads_, [&](int64_t i) {
-      const size_t u = unknowns_[static_cast<size_t>(i) / 2];
+    // Of x, and for columns of the Jacobian by central differences two more
+    // each.
+    std::vector<camera::RgbdCalibration> calibrations = {Apply(nominal_, x)};
+    for (size_t i = 0; i < 2 * n; ++i) {
       Values y = x;
-      y[u] += (i % 2 == 0 ? 1 : -1) * kStep[u];
-      surfaces_.Residuals(Apply(nominal_, y), shifted[static_cast<size_t>(i)]);
-    });
-    const double variance = RobustVariance(residuals);
+      y[unknowns_[i / 2]] += (i % 2 == 0 ? 1 : -1) * kStep[unknowns_[i / 2]];
+      calibrations.push_back(Apply(nominal_, y));
+    }
+    surfaces_.Associate(calibrations.front(), threads_);
+    std::vector<double> residuals;
+    surfaces_.Residuals(calibrations, threads_, residuals);
+    const size_t stride = calibrations.size();
+    const double variance = RobustVariance(residuals, stride);
     Eigen::MatrixXd h = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n),
                                               static_cast<Eigen::Index>(n));
     Eigen::VectorXd g = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n));
     Eigen::VectorXd row(static_cast<Eigen::Index>(n));
-    for (size_t r = 0; r < residuals.size(); ++r) {
-      if (residuals[r] == 0 || std::abs(residuals[r]) > cutoff) continue;
-      bool complete = true;
+    for (size_t r = 0; r < residuals.size(); r += stride) {
+      const double residual = residuals[r];
+      if (residual == 0 || std::abs(residual) > cutoff) continue;
       for (size_t c = 0; c < n; ++c) {
-        const double plus = shifted[2 * c][r];
-        const double minus = shifted[2 * c + 1][r];
-        complete = complete && plus != 0 && minus != 0;
         row[static_cast<Eigen::Index>(c)] =
-            (plus - minus) / (2 * kStep[unknowns_[c]]);
+            (residuals[r + 1 + 2 * c] - residuals[r + 2 + 2 * c]) /
+            (2 * kStep[unknowns_[c]]);
       }
-      if (!complete) continue;
-      const double t = residuals[r] / cutoff;
+      // Where a distorted image folds, rays have no derivative.
+      if (!row.allFinite()) continue;
+      const double t = residual / cutoff;
       const double weight =
           (1 - t * t) * (1 - t * t) / (kPointsPerObservation * variance);
       h.noalias() += weight * row * row.transpose();
-      g.noalias() += weight * residuals[r] * row;
+      g.noalias() += weight * residual * row;
     }
     for (size_t c = 0; c < n; ++c) {
       const Eigen::Index i = static_cast<Eigen::Index>(c);
@@ -367,13 +367,12 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
         " frames see the same surfaces from different directions; give more "
         "frames, or a calibration"));
   }
-  surfaces.Associate(nominal);
-  report.surface_rms_before_m = surfaces.Rms_m(nominal, kReportCutoff_m);
+  surfaces.Associate(nominal, options.threads);
+  report.surface_rms_before_m = surfaces.Rms_m(kReportCutoff_m);
   TL_RETURN_IF_ERROR(SurfaceFit(surfaces, nominal, by_surfaces, options.threads)
                          .Run(x, progress, stop));
-  surfaces.Associate(Apply(nominal, x));
-  report.surface_rms_after_m =
-      surfaces.Rms_m(Apply(nominal, x), kReportCutoff_m);
+  surfaces.Associate(Apply(nominal, x), options.threads);
+  report.surface_rms_after_m = surfaces.Rms_m(kReportCutoff_m);
   if (report.surface_rms_after_m >
       (1 - kMinImprovement) * report.surface_rms_before_m) {
     // Where the surfaces do not ask for a change, noise decides it.
@@ -385,7 +384,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     double step_scale = 1;
     for (double smoothing_px : kSmoothing_px) {
       const EdgeAlignment edges(loaded.frames, Apply(nominal, x).depth,
-                                smoothing_px);
+                                smoothing_px, options.threads);
       report.edge_strength_before = edges.Strength(nominal);
       ClimbEdges(edges, nominal, by_edges, step_scale, x, progress, stop);
       report.edge_strength_after = edges.Strength(Apply(nominal, x));

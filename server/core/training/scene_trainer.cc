@@ -1,6 +1,7 @@
 #include "server/core/training/scene_trainer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -159,15 +160,14 @@ class SceneTrainer {
       if (is_extending()) info_.confidence = base_->info().confidence;
       return Finish(learned);
     }
-    // Learn from a part and see how the rest is answered; then learn it all.
+    // How is the rest answered after learning a part?
+    Learned whole;
     {
-      TL_ASSIGN_OR_RETURN(
-          const Learned part,
-          Learn(dataset_.Subset(split.train), Round::kWithoutHeldOut));
+      Learned part;
+      TL_RETURN_IF_ERROR(LearnRounds(split.train, part, whole));
       TL_RETURN_IF_ERROR(
           FitConfidenceOn(part, dataset_.Subset(split.held_out)));
     }
-    TL_ASSIGN_OR_RETURN(const Learned whole, Learn(dataset_, Round::kAll));
     return Finish(whole);
   }
 
@@ -175,13 +175,9 @@ class SceneTrainer {
     TL_RETURN_IF_ERROR(Calibrate());
     Describe();
     TreePart part;
-    const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
-    if (!split.held_out.empty()) {
-      TL_RETURN_IF_ERROR(
-          GrowTree(dataset_.Subset(split.train), tree, part).status());
-    }
-    TL_ASSIGN_OR_RETURN(info_.training_samples, GrowTree(dataset_, tree, part));
-    info_.training_frames = CountDrawnFrames(dataset_, forests_.front());
+    const std::vector<int> first = FirstFrames();
+    TL_ASSIGN_OR_RETURN(info_.training_samples, GrowTree(first, tree, part));
+    info_.training_frames = CountDrawnFrames(dataset_, forests_.front(), first);
     info_.training_s = base::MillisecondsBetween(start_, clock_.Now()) / 1e3;
     info_.part = {tree, options_.forest.trees, FramesChecksum(dataset_)};
     part.info = info_;
@@ -264,17 +260,27 @@ class SceneTrainer {
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
 
-  // The tree of each forest; returns of how many samples.
-  absl::StatusOr<int64_t> GrowTree(const dataset::Dataset& dataset, int tree,
+  // Those that come first; empty where none is held out.
+  std::vector<int> FirstFrames() const {
+    HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
+    return split.held_out.empty() ? std::vector<int>{} : std::move(split.train);
+  }
+
+  // The tree of each forest of each round; returns of how many samples.
+  absl::StatusOr<int64_t> GrowTree(const std::vector<int>& first, int tree,
                                    TreePart& part) const {
     int64_t samples = 0;
+    std::vector<GrownTree> all;
     for (const TrainingOptions& forest : forests_) {
       TL_ASSIGN_OR_RETURN(GrownTrees grown,
-                          GrowTrees(dataset, calibration_, forest,
+                          GrowTrees(dataset_, calibration_, forest, first,
                                     {tree, tree + 1}, quiet_, stop_));
       samples += grown.samples;
-      part.trees.push_back(std::move(grown.trees.front()));
+      if (!first.empty()) part.trees.push_back(std::move(grown.first.front()));
+      all.push_back(std::move(grown.trees.front()));
     }
+    part.trees.insert(part.trees.end(), std::move_iterator(all.begin()),
+                      std::move_iterator(all.end()));
     return samples;
   }
 
@@ -324,6 +330,28 @@ class SceneTrainer {
       learned.push_back(std::move(forest));
     }
     return learned;
+  }
+
+  // Both rounds. Trees are grown once: the frames held out join those that
+  // were grown without them.
+  absl::Status LearnRounds(const std::vector<int>& first, Learned& part,
+                           Learned& whole) const {
+    const dataset::Dataset subset = dataset_.Subset(first);
+    if (base_ != nullptr || !parts_.empty()) {
+      TL_ASSIGN_OR_RETURN(part, Learn(subset, Round::kWithoutHeldOut));
+      TL_ASSIGN_OR_RETURN(whole, Learn(dataset_, Round::kAll));
+      return absl::OkStatus();
+    }
+    for (const TrainingOptions& forest : forests_) {
+      TL_ASSIGN_OR_RETURN(
+          TrainedForests trained,
+          TrainForests(dataset_, calibration_, forest, first, quiet_, stop_));
+      part.forests.push_back({.forest = std::move(trained.first)});
+      whole.forests.push_back(std::move(trained.all));
+    }
+    TL_ASSIGN_OR_RETURN(part.keyframes, MakeKeyframes(subset));
+    TL_ASSIGN_OR_RETURN(whole.keyframes, MakeKeyframes(dataset_));
+    return absl::OkStatus();
   }
 
   absl::StatusOr<Learned> Learn(const dataset::Dataset& dataset,

@@ -1,10 +1,12 @@
 #include "server/core/training/surface_consistency.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "common/base/parallel_for.h"
 #include "common/base/random.h"
 #include "server/core/features/rgbd_samples.h"
 
@@ -62,6 +64,55 @@ std::optional<geometry::Vec3> DepthPoint(
   }
   return DepthPoint(frame, calibration, pixel, RayOf(calibration.depth, pixel));
 }
+
+double MeasuredDepth_m(const PosedDepth& frame, uint32_t pixel) {
+  return frame.depth.values[pixel] * frame.depth.unit_m;
+}
+
+// From one frame's depth camera to another's, in measured depth.
+struct Motion {
+  geometry::Mat3 rotation;
+  geometry::Vec3 translation;
+  bool has_known_rays = false;
+};
+
+// The ray of a pixel through cameras that hardly differ from one whose ray is
+// known: a step of Newton's method, with that camera's derivative.
+class NearbyRay {
+ public:
+  NearbyRay(const camera::Camera& camera, uint32_t pixel, camera::Pixel ray)
+      : pixel_{static_cast<double>(pixel %
+                                   static_cast<uint32_t>(camera.width())),
+               static_cast<double>(pixel /
+                                   static_cast<uint32_t>(camera.width()))},
+        ray_(ray) {
+    constexpr double kStep = 1e-4;
+    const auto derivative = [&](double dx, double dy) {
+      const camera::Pixel plus = camera.Project({ray.x + dx, ray.y + dy, 1});
+      const camera::Pixel minus = camera.Project({ray.x - dx, ray.y - dy, 1});
+      return camera::Pixel{(plus.x - minus.x) / (2 * kStep),
+                           (plus.y - minus.y) / (2 * kStep)};
+    };
+    const camera::Pixel by_x = derivative(kStep, 0);
+    const camera::Pixel by_y = derivative(0, kStep);
+    const double determinant = by_x.x * by_y.y - by_y.x * by_x.y;
+    inverse_ = {by_y.y / determinant, -by_y.x / determinant,
+                -by_x.y / determinant, by_x.x / determinant};
+  }
+
+  camera::Pixel Through(const camera::Camera& camera) const {
+    const camera::Pixel seen = camera.Project({ray_.x, ray_.y, 1});
+    const double dx = pixel_.x - seen.x;
+    const double dy = pixel_.y - seen.y;
+    return {ray_.x + inverse_[0] * dx + inverse_[1] * dy,
+            ray_.y + inverse_[2] * dx + inverse_[3] * dy};
+  }
+
+ private:
+  const camera::Pixel pixel_;
+  const camera::Pixel ray_;
+  std::array<double, 4> inverse_{};  // of the derivative, row-major
+};
 
 struct SurfacePoint {
   geometry::Vec3 point;
@@ -141,90 +192,130 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
   }
 }
 
-void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration) {
-  depth_camera_ = calibration.depth;
-  for (Pair& pair : pairs_) {
-    const PosedDepth& from = frames_[pair.from];
-    const PosedDepth& to = frames_[pair.to];
+void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration,
+                                   int threads) {
+  calibration_ = calibration;
+  base::ParallelFor(pairs(), threads, [&](int64_t i) {
+    AssociatePair(pairs_[static_cast<size_t>(i)]);
+  });
+}
+
+void SurfaceConsistency::AssociatePair(Pair& pair) const {
+  const PosedDepth& from = frames_[pair.from];
+  const PosedDepth& to = frames_[pair.to];
+  const geometry::Rigid3 to_from = WorldFromDepth(to, calibration_).Inverse() *
+                                   WorldFromDepth(from, calibration_);
+  pair.partners.assign(pair.pixels.size(), Partner{});
+  pair.rays.assign(pair.pixels.size(), std::nullopt);
+  pair.partner_rays.assign(pair.pixels.size(), std::nullopt);
+  for (size_t i = 0; i < pair.pixels.size(); ++i) {
+    const int pixel = static_cast<int>(pair.pixels[i]);
+    pair.rays[i] = RayOf(calibration_.depth, pixel);
+    const auto point = DepthPoint(from, calibration_, pixel, pair.rays[i]);
+    if (!point) continue;
+    const geometry::Vec3 moved = to_from * *point;
+    if (moved.z <= 0.1) continue;
+    const camera::Pixel p = calibration_.depth.Project(moved);
+    if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
+    const int u = static_cast<int>(std::lround(p.x));
+    const int v = static_cast<int>(std::lround(p.y));
+    const auto surface = SurfaceAt(to, calibration_, u, v);
+    if (!surface) continue;
+    pair.partners[i] = {v * to.depth.width + u, surface->normal};
+    pair.partner_rays[i] = RayOf(calibration_.depth, pair.partners[i].pixel);
+  }
+}
+
+void SurfaceConsistency::PairResiduals(
+    const Pair& pair, std::span<const camera::RgbdCalibration> calibrations,
+    std::span<double> residuals) const {
+  const PosedDepth& from = frames_[pair.from];
+  const PosedDepth& to = frames_[pair.to];
+  std::vector<Motion> motions;
+  for (const camera::RgbdCalibration& calibration : calibrations) {
     const geometry::Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
                                      WorldFromDepth(from, calibration);
-    pair.partners.assign(pair.pixels.size(), Partner{});
-    pair.rays.assign(pair.pixels.size(), std::nullopt);
-    pair.partner_rays.assign(pair.pixels.size(), std::nullopt);
-    for (size_t i = 0; i < pair.pixels.size(); ++i) {
-      const int pixel = static_cast<int>(pair.pixels[i]);
-      pair.rays[i] = RayOf(depth_camera_, pixel);
-      const auto point = DepthPoint(from, calibration, pixel, pair.rays[i]);
-      if (!point) continue;
-      const geometry::Vec3 moved = to_from * *point;
-      if (moved.z <= 0.1) continue;
-      const camera::Pixel p = calibration.depth.Project(moved);
-      if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
-      const int u = static_cast<int>(std::lround(p.x));
-      const int v = static_cast<int>(std::lround(p.y));
-      const auto surface = SurfaceAt(to, calibration, u, v);
-      if (!surface) continue;
-      pair.partners[i] = {v * to.depth.width + u, surface->normal};
-      pair.partner_rays[i] = RayOf(depth_camera_, pair.partners[i].pixel);
+    motions.push_back({to_from.rotation.Matrix(),
+                       to_from.translation / calibration.depth_scale,
+                       calibration.depth == calibration_.depth});
+  }
+  for (size_t i = 0; i < pair.pixels.size(); ++i) {
+    const std::span<double> of_point =
+        residuals.subspan(i * motions.size(), motions.size());
+    const Partner& partner = pair.partners[i];
+    if (partner.pixel < 0 || !pair.rays[i] || !pair.partner_rays[i]) continue;
+    // In measured units: a larger scale must not look better (or worse) for
+    // its own sake, as it would where the camera only turns.
+    const double from_z = MeasuredDepth_m(from, pair.pixels[i]);
+    const double to_z =
+        MeasuredDepth_m(to, static_cast<uint32_t>(partner.pixel));
+    const double weight = 1 / std::hypot(features::DepthSigma_m(from_z),
+                                         features::DepthSigma_m(to_z));
+    const NearbyRay ray(calibration_.depth, pair.pixels[i], *pair.rays[i]);
+    const NearbyRay partner_ray(calibration_.depth,
+                                static_cast<uint32_t>(partner.pixel),
+                                *pair.partner_rays[i]);
+    for (size_t k = 0; k < motions.size(); ++k) {
+      const Motion& motion = motions[k];
+      const camera::Camera& camera = calibrations[k].depth;
+      const camera::Pixel a =
+          motion.has_known_rays ? *pair.rays[i] : ray.Through(camera);
+      const camera::Pixel b = motion.has_known_rays
+                                  ? *pair.partner_rays[i]
+                                  : partner_ray.Through(camera);
+      const geometry::Vec3 moved =
+          motion.rotation * geometry::Vec3{from_z * a.x, from_z * a.y, from_z} +
+          motion.translation;
+      const geometry::Vec3 surface{to_z * b.x, to_z * b.y, to_z};
+      of_point[k] = weight * geometry::Dot(partner.normal, moved - surface);
     }
   }
 }
 
-template <typename Visit>
-void SurfaceConsistency::VisitPoints(const camera::RgbdCalibration& calibration,
-                                     const Visit& visit) const {
-  const bool rays_are_known = calibration.depth == depth_camera_;
-  size_t slot = 0;
+void SurfaceConsistency::Residuals(
+    std::span<const camera::RgbdCalibration> calibrations, int threads,
+    std::vector<double>& residuals) const {
+  std::vector<size_t> first;
+  size_t points = 0;
+  for (const Pair& pair : pairs_) {
+    first.push_back(points);
+    points += pair.pixels.size();
+  }
+  residuals.assign(points * calibrations.size(), 0);
+  base::ParallelFor(pairs(), threads, [&](int64_t p) {
+    const Pair& pair = pairs_[static_cast<size_t>(p)];
+    PairResiduals(pair, calibrations,
+                  std::span(residuals).subspan(
+                      first[static_cast<size_t>(p)] * calibrations.size(),
+                      pair.pixels.size() * calibrations.size()));
+  });
+}
+
+double SurfaceConsistency::Rms_m(double cutoff_m) const {
+  double squares = 0;
+  int64_t count = 0;
   for (const Pair& pair : pairs_) {
     const PosedDepth& from = frames_[pair.from];
     const PosedDepth& to = frames_[pair.to];
-    const geometry::Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
-                                     WorldFromDepth(from, calibration);
+    const geometry::Rigid3 to_from =
+        WorldFromDepth(to, calibration_).Inverse() *
+        WorldFromDepth(from, calibration_);
     for (size_t i = 0; i < pair.pixels.size(); ++i) {
-      const size_t this_slot = slot++;
       const Partner& partner = pair.partners[i];
       if (partner.pixel < 0) continue;
-      const int pixel = static_cast<int>(pair.pixels[i]);
       const auto point = DepthPoint(
-          from, calibration, pixel,
-          rays_are_known ? pair.rays[i] : RayOf(calibration.depth, pixel));
+          from, calibration_, static_cast<int>(pair.pixels[i]), pair.rays[i]);
       const auto surface =
-          DepthPoint(to, calibration, partner.pixel,
-                     rays_are_known ? pair.partner_rays[i]
-                                    : RayOf(calibration.depth, partner.pixel));
+          DepthPoint(to, calibration_, partner.pixel, pair.partner_rays[i]);
       if (!point || !surface) continue;
-      // In measured units: a larger scale must not look better (or worse) for
-      // its own sake, as it would where the camera only turns.
       const double distance =
           geometry::Dot(partner.normal, to_from * *point - *surface) /
-          calibration.depth_scale;
-      const double sigma = std::hypot(
-          features::DepthSigma_m(point->z / calibration.depth_scale),
-          features::DepthSigma_m(surface->z / calibration.depth_scale));
-      visit(this_slot, distance, sigma);
+          calibration_.depth_scale;
+      if (std::abs(distance) > cutoff_m) continue;
+      squares += distance * distance;
+      ++count;
     }
   }
-}
-
-void SurfaceConsistency::Residuals(const camera::RgbdCalibration& calibration,
-                                   std::vector<double>& residuals) const {
-  size_t slots = 0;
-  for (const Pair& pair : pairs_) slots += pair.pixels.size();
-  residuals.assign(slots, 0);
-  VisitPoints(calibration, [&](size_t slot, double distance, double sigma) {
-    residuals[slot] = distance / sigma;
-  });
-}
-
-double SurfaceConsistency::Rms_m(const camera::RgbdCalibration& calibration,
-                                 double cutoff_m) const {
-  double squares = 0;
-  int64_t count = 0;
-  VisitPoints(calibration, [&](size_t, double distance, double) {
-    if (std::abs(distance) > cutoff_m) return;
-    squares += distance * distance;
-    ++count;
-  });
   return count == 0 ? 0 : std::sqrt(squares / static_cast<double>(count));
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/camera/rgbd_calibration.h"
@@ -29,17 +30,21 @@ class SurfaceConsistency {
 
   // Finds, for each point to compare, the depth pixel of the other frame that
   // it falls on. Kept until the next call.
-  void Associate(const camera::RgbdCalibration& calibration);
+  void Associate(const camera::RgbdCalibration& calibration, int threads);
 
   // Distances along the surface normal between each point and the surface at
   // its associated pixel (m), in units of the depth noise expected there; a
-  // smooth function of the calibration. Slot i always belongs to the same
-  // point; 0 where it falls on no surface.
-  void Residuals(const camera::RgbdCalibration& calibration,
-                 std::vector<double>& residuals) const;
-  // Root mean square of the distances (m) that are below cutoff_m.
-  double Rms_m(const camera::RgbdCalibration& calibration,
-               double cutoff_m) const;
+  // smooth function of the calibration. `calibrations` are those whose
+  // residuals are wanted: all within a step of numerical differentiation of
+  // that of Associate, since rays of other depth cameras are found to first
+  // order. residuals[i * calibrations.size() + k] belongs to point i, always
+  // the same one, and calibration k; all of a point are 0 where it falls on no
+  // surface.
+  void Residuals(std::span<const camera::RgbdCalibration> calibrations,
+                 int threads, std::vector<double>& residuals) const;
+  // Root mean square of the distances (m) that are below cutoff_m, with the
+  // calibration of Associate.
+  double Rms_m(double cutoff_m) const;
 
  private:
   // A depth pixel of the other frame, and its surface's normal in the depth
@@ -55,20 +60,21 @@ class SurfaceConsistency {
     size_t to = 0;
     std::vector<uint32_t> pixels;   // compared depth pixels of `from`
     std::vector<Partner> partners;  // what they fall on, slot by slot
-    // Through depth_camera_: of the pixels, and of their partners.
+    // Through the depth camera: of the pixels, and of their partners.
     std::vector<Ray> rays;
     std::vector<Ray> partner_rays;
   };
 
-  template <typename Visit>
-  void VisitPoints(const camera::RgbdCalibration& calibration,
-                   const Visit& visit) const;
+  void AssociatePair(Pair& pair) const;
+  void PairResiduals(const Pair& pair,
+                     std::span<const camera::RgbdCalibration> calibrations,
+                     std::span<double> residuals) const;
 
   const std::vector<PosedDepth>& frames_;
   std::vector<Pair> pairs_;
   // Of the last association. Most calibrations that are compared with it have
-  // the same one, and undistorting pixels is what costs most.
-  camera::Camera depth_camera_;
+  // the same depth camera, and undistorting pixels is what costs most.
+  camera::RgbdCalibration calibration_;
 };
 
 }  // namespace treeline::training

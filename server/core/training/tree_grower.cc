@@ -1,12 +1,14 @@
 #include "server/core/training/tree_grower.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "common/base/random.h"
 #include "server/core/training/mean_shift.h"
+#include "server/core/training/tree_pruner.h"
 
 namespace treeline::training {
 namespace {
@@ -23,6 +25,12 @@ constexpr size_t kSamplesAhead = 8;
 // Lookups in flight at a time: pixels are scattered over all frames, so each
 // is a cache miss.
 constexpr size_t kLookupsInFlight = 32;
+
+// Samples that walk down a tree at a time.
+constexpr size_t kWalksInFlight = 16;
+
+// Splits that fewer samples chose are chosen again when frames join.
+constexpr size_t kMinSplitSamples = 20;
 
 template <typename T>
 void AppendTo(std::vector<T>& to, const std::vector<T>& from) {
@@ -61,25 +69,28 @@ struct TreeGrower::Workspace {
 
 TreeGrower::TreeGrower(const TrainingOptions& options, int tree,
                        std::vector<const features::PlanarImage*> images,
-                       const TreeSamples& samples)
+                       std::vector<uint8_t> waits, const TreeSamples& samples)
     : options_(options),
       tree_(tree),
       images_(std::move(images)),
+      waits_(std::move(waits)),
       samples_(samples),
       candidates_(static_cast<size_t>(options.split_candidates)),
       blocks_((candidates_ + Block::kFeatures - 1) / Block::kFeatures),
       frame_end_(images_.size(), 0),
-      order_(samples.size()),
       place_(samples.size()) {
-  std::iota(order_.begin(), order_.end(), 0u);
+  for (uint32_t s = 0; s < samples.size(); ++s) {
+    if (waits_[samples.frame[s]] == 0) order_.push_back(s);
+  }
   for (const uint16_t frame : samples_.frame) ++frame_end_[frame];
   std::partial_sum(frame_end_.begin(), frame_end_.end(), frame_end_.begin());
   nodes_.emplace_back();
-  nodes_.back().end = static_cast<uint32_t>(samples.size());
+  nodes_.back().end = static_cast<uint32_t>(order_.size());
+  if (order_.size() < samples.size()) leaf_of_.resize(samples.size());
 }
 
 int64_t TreeGrower::total_work() const {
-  return static_cast<int64_t>(samples_.size()) * (options_.max_depth + 1);
+  return static_cast<int64_t>(order_.size()) * (options_.max_depth + 1);
 }
 
 size_t TreeGrower::Used(const Node& node) const {
@@ -98,7 +109,7 @@ bool TreeGrower::BeginRound() {
     finished_work_ +=
         static_cast<int64_t>(parent.size()) *
         (parent.is_split ? 1 : options_.max_depth + 1 - parent.depth);
-    if (!parent.is_split) continue;
+    if (!parent.is_split || parent.left != 0) continue;
     Node left;
     left.begin = parent.begin;
     left.end = parent.middle;
@@ -398,28 +409,119 @@ GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
 }
 
 GrownTree TreeGrower::Assemble() const {
+  std::vector<uint32_t> counts;
+  for (const Node& node : nodes_) {
+    if (!node.is_split && node.size() > 0) {
+      counts.push_back(static_cast<uint32_t>(node.size()));
+    }
+  }
+  // Modes are found in leaves: how many samples they have is not known yet.
+  const uint32_t least =
+      options_.mode_bandwidth_m > 0
+          ? 0
+          : LeastKept(counts, static_cast<uint32_t>(options_.min_kept_samples));
   GrownTree tree;
-  Emit(0, tree);
-  return tree;
+  Emit(0, least, tree);
+  return PruneTree(tree, static_cast<uint32_t>(options_.min_kept_samples));
 }
 
-void TreeGrower::Emit(size_t n, GrownTree& tree) const {
+bool TreeGrower::StaysSplit(const Node& node) const {
+  return node.is_split && node.size() >= kMinSplitSamples;
+}
+
+bool TreeGrower::IsLeft(const Node& node, size_t sample) const {
+  return features::Evaluate(node.feature, *images_[samples_.frame[sample]],
+                            samples_.x[sample], samples_.y[sample],
+                            samples_.inverse_depth_q12[sample]) <=
+         node.threshold;
+}
+
+void TreeGrower::RouteFrame(size_t frame) {
+  if (waits_[frame] == 0) return;
+  const size_t end = frame_end_[frame];
+  // Some at a time, so that one's cache misses do not keep the others waiting.
+  std::array<uint32_t, kWalksInFlight> at;
+  for (size_t s = frame == 0 ? 0 : frame_end_[frame - 1]; s < end;
+       s += kWalksInFlight) {
+    const size_t walks = std::min(kWalksInFlight, end - s);
+    at.fill(0);
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (size_t i = 0; i < walks; ++i) {
+        const Node& node = nodes_[at[i]];
+        if (!StaysSplit(node)) continue;
+        at[i] = node.left + (IsLeft(node, s + i) ? 0 : 1);
+        moved = true;
+      }
+    }
+    std::copy_n(at.begin(), walks,
+                leaf_of_.begin() + static_cast<std::ptrdiff_t>(s));
+  }
+}
+
+void TreeGrower::Join() {
+  std::vector<uint32_t> leaves;
+  std::vector<uint32_t> waiting = {0};
+  while (!waiting.empty()) {
+    const uint32_t n = waiting.back();
+    waiting.pop_back();
+    Node& node = nodes_[n];
+    if (StaysSplit(node)) {
+      waiting.push_back(node.left + 1);
+      waiting.push_back(node.left);
+    } else {
+      leaves.push_back(n);
+      for (size_t i = node.begin; i < node.end; ++i) leaf_of_[order_[i]] = n;
+    }
+  }
+  // What is cut off stays in nodes_, without samples and out of reach.
+  for (Node& node : nodes_) {
+    if (!StaysSplit(node)) {
+      node.is_split = false;
+      node.left = 0;
+    }
+    node.begin = node.end = 0;
+  }
+  for (const uint32_t leaf : leaf_of_) ++nodes_[leaf].end;
+  uint32_t begin = 0;
+  for (const uint32_t leaf : leaves) {
+    Node& node = nodes_[leaf];
+    node.begin = begin;
+    begin += node.end;
+    node.end = node.begin;
+  }
+  order_.resize(samples_.size());
+  for (uint32_t s = 0; s < order_.size(); ++s) {
+    order_[nodes_[leaf_of_[s]].end++] = s;
+  }
+  leaf_of_ = {};
+  round_ = {};
+  finished_work_ = 0;
+}
+
+void TreeGrower::Emit(size_t n, uint32_t least, GrownTree& tree) const {
   const Node& node = nodes_[n];
   const size_t self = tree.nodes.size();
   tree.nodes.emplace_back();
   if (!node.is_split) {
     const size_t first = tree.leaves.size();
-    AppendModes(node, tree.leaves);
+    if (node.size() < least) {
+      // It is left out, so what it would be does not matter.
+      tree.leaves.emplace_back();
+      tree.leaves.back().count = static_cast<uint32_t>(node.size());
+    } else {
+      AppendModes(node, tree.leaves);
+    }
     tree.nodes[self] =
         forest::Node::Leaf(static_cast<uint32_t>(first),
                            static_cast<uint32_t>(tree.leaves.size() - first));
     return;
   }
-  Emit(node.left, tree);
+  Emit(node.left, least, tree);
   tree.nodes[self] =
       forest::Node::Split(node.feature, node.threshold,
                           static_cast<uint32_t>(tree.nodes.size() - self));
-  Emit(node.left + 1, tree);
+  Emit(node.left + 1, least, tree);
 }
 
 }  // namespace treeline::training

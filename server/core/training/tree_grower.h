@@ -59,6 +59,13 @@ void AppendNodes(const std::vector<forest::Node>& subtree, uint32_t mode_base,
 //   }
 //   grower.Assemble();
 //
+// Frames may wait: a tree is grown without them, and then goes on with them:
+//
+//   RouteFrame(f) of each frame f;        // on any threads
+//   grower.Join();
+//   ... rounds as before ...
+//   grower.Assemble();
+//
 // Features are evaluated frame by frame, all features of a sample at once: a
 // frame then is in a processor's cache for all of its samples, where a node's
 // samples are scattered over all frames. A node's random draws depend on (seed,
@@ -66,10 +73,10 @@ void AppendNodes(const std::vector<forest::Node>& subtree, uint32_t mode_base,
 class TreeGrower {
  public:
   // images[f] is the frame f of samples.frame, which ascends; all must outlive
-  // the grower.
+  // the grower. waits[f] is 1 for frames that wait.
   TreeGrower(const TrainingOptions& options, int tree,
              std::vector<const features::PlanarImage*> images,
-             const TreeSamples& samples);
+             std::vector<uint8_t> waits, const TreeSamples& samples);
 
   // False: the tree is grown.
   bool BeginRound();
@@ -83,7 +90,14 @@ class TreeGrower {
   int64_t finished_work() const { return finished_work_; }
   int64_t total_work() const;
 
+  // Without small leaves (TrainingOptions::min_kept_samples).
   GrownTree Assemble() const;
+
+  // Sends the samples of a frame that waits down the tree.
+  void RouteFrame(size_t frame);
+  // Cuts the tree back to splits that enough samples chose, and lets all
+  // samples into the leaves that they come to, which are open again.
+  void Join();
 
  private:
   using Block = features::PixelDifferenceBlock;
@@ -135,18 +149,24 @@ class TreeGrower {
   void Partition(Node& node, std::span<const int16_t> values, Workspace& work);
   void AppendModes(const Node& node, std::vector<GrownLeaf>& leaves) const;
   GrownLeaf MakeMode(std::span<const uint32_t> samples) const;
-  void Emit(size_t node, GrownTree& tree) const;
+  // Leaves with fewer than `least` samples remain empty.
+  void Emit(size_t node, uint32_t least, GrownTree& tree) const;
+  bool IsLeft(const Node& node, size_t sample) const;
+  // Splits that stay when the frames that waited join.
+  bool StaysSplit(const Node& node) const;
 
   const TrainingOptions& options_;
   const int tree_;
   const std::vector<const features::PlanarImage*> images_;
+  const std::vector<uint8_t> waits_;
   const TreeSamples& samples_;
   const size_t candidates_;        // features tried at a node
   const size_t blocks_;            // of features of a node
   std::vector<size_t> frame_end_;  // samples of frame f end here
   std::vector<uint32_t> order_;
-  std::vector<Place> place_;  // by sample
-  std::vector<Node> nodes_;   // the root, then level by level
+  std::vector<Place> place_;       // by sample
+  std::vector<Node> nodes_;        // the root, then level by level
+  std::vector<uint32_t> leaf_of_;  // by sample, while frames join
   int64_t finished_work_ = 0;
 
   // Of the round: its nodes, and by node (index in the round) or slot.

@@ -5,23 +5,23 @@ namespace {
 
 constexpr double kMinKeptShare = 0.25;
 
-// At most `wanted`, and such that modes with at least so many samples hold
-// kMinKeptShare of all samples.
-uint32_t LeastKept(const GrownTree& tree, uint32_t wanted) {
+}  // namespace
+
+uint32_t LeastKept(std::span<const uint32_t> samples_of_mode,
+                   uint32_t min_samples) {
   double all = 0;
-  for (const GrownLeaf& leaf : tree.leaves) all += leaf.count;
+  for (const uint32_t count : samples_of_mode) all += count;
   const auto share_of = [&](uint32_t least) {
     double kept = 0;
-    for (const GrownLeaf& leaf : tree.leaves) {
-      if (leaf.count >= least) kept += leaf.count;
+    for (const uint32_t count : samples_of_mode) {
+      if (count >= least) kept += count;
     }
     return kept / all;
   };
-  while (wanted > 0 && all > 0 && share_of(wanted) < kMinKeptShare) --wanted;
-  return all > 0 ? wanted : 0;
+  uint32_t least = min_samples;
+  while (least > 0 && all > 0 && share_of(least) < kMinKeptShare) --least;
+  return all > 0 ? least : 0;
 }
-
-}  // namespace
 
 GrownTree TreeWithModes(std::span<const forest::Node> nodes,
                         const ModesOfLeaf& modes_of_leaf) {
@@ -69,7 +69,9 @@ GrownTree TreeWithModes(std::span<const forest::Node> nodes,
 }
 
 GrownTree PruneTree(const GrownTree& tree, uint32_t min_samples) {
-  const uint32_t least = LeastKept(tree, min_samples);
+  std::vector<uint32_t> counts;
+  for (const GrownLeaf& leaf : tree.leaves) counts.push_back(leaf.count);
+  const uint32_t least = LeastKept(counts, min_samples);
   return TreeWithModes(tree.nodes, [&](size_t node) {
     const forest::Node& leaf = tree.nodes[node];
     std::vector<GrownLeaf> modes;

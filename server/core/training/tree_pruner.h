@@ -22,6 +22,11 @@ using ModesOfLeaf = std::function<std::vector<GrownLeaf>(size_t node)>;
 GrownTree TreeWithModes(std::span<const forest::Node> nodes,
                         const ModesOfLeaf& modes_of_leaf);
 
+// The least number of samples of a mode that PruneTree keeps, of a tree whose
+// modes have so many: at most min_samples.
+uint32_t LeastKept(std::span<const uint32_t> samples_of_mode,
+                   uint32_t min_samples);
+
 // `tree` without the modes that hold fewer than `min_samples` samples, as far
 // as a quarter of its samples stay: in trees of few samples all leaves are
 // small, and the least that leaves so many is taken in place of `min_samples`.
