@@ -39,6 +39,7 @@ struct RobotFile {
   std::string plan = RosRobotConfig().plan;
   std::string pose = RosRobotConfig().pose;
   std::string goal = RosRobotConfig().goal;
+  std::string navigate_to_pose = RosRobotConfig().navigate_to_pose;
   std::string initial_pose = RosRobotConfig().initial_pose;
   bool publish_tf = true;
   double tf_tolerance_s = RosRobotConfig().tf_tolerance_s;
@@ -96,6 +97,8 @@ void AddTopics(Table& table) {
   add(&RobotFile::plan, "plan", "Path, out");
   add(&RobotFile::pose, "pose", "PoseWithCovarianceStamped, out");
   add(&RobotFile::goal, "goal", "PoseStamped, in");
+  add(&RobotFile::navigate_to_pose, "navigate_to_pose",
+      "The action NavigateToPose");
   add(&RobotFile::initial_pose, "initial_pose",
       "PoseWithCovarianceStamped, in");
   add(&RobotFile::map_frame, "map_frame", "Of the map");
@@ -222,6 +225,7 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
   config.plan = file.plan;
   config.pose = file.pose;
   config.goal = file.goal;
+  config.navigate_to_pose = file.navigate_to_pose;
   config.initial_pose = file.initial_pose;
   config.publishes_tf = file.publish_tf;
   config.tf_tolerance_s = file.tf_tolerance_s;

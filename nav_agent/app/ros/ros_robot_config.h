@@ -39,6 +39,7 @@ struct RosRobotConfig {
   std::string plan = "plan";
   std::string pose = "amcl_pose";
   std::string goal = "goal_pose";
+  std::string navigate_to_pose = "navigate_to_pose";
   std::string initial_pose = "initialpose";
   bool publishes_tf = true;
   // How far ahead of its moment map_frame to odom is stamped (s), so that
