@@ -106,12 +106,19 @@ absl::Status AgentTopics::Subscribe() {
 absl::Status AgentTopics::ServeActions() {
   const std::string& action = robot_.config().navigate_to_pose;
   if (action.empty()) return absl::OkStatus();
+  if (robot_.config().rmw == Rmw::kFastDds) {
+    TL_ASSIGN_OR_RETURN(fast_services_,
+                        fast_dds::FastServices::Join(robot_.config().domain,
+                                                     robot_.config().node));
+  }
   TL_ASSIGN_OR_RETURN(
       navigate_,
       navigate_action::NavigateServer::Open(
           *node_,
           [this](const std::string& service, const std::string& type) {
-            return node_->Serve(service, type);
+            return fast_services_ == nullptr
+                       ? node_->Serve(service, type)
+                       : fast_services_->Serve(service, type);
           },
           action,
           {.set_goal =

@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/app/ros/ros_robot.h"
+#include "nav_agent/bridge/fast_dds/fast_services.h"
 #include "nav_agent/bridge/navigate_action/navigate_server.h"
 #include "nav_agent/service/agent_commands.h"
 
@@ -59,6 +60,8 @@ class AgentTopics {
   std::unique_ptr<dds::Publisher> frames_;
   std::unique_ptr<dds::Publisher> diagnostics_;
   std::unique_ptr<topic_inputs::TopicInputs> inputs_;
+  // Null: services are those of node_.
+  std::unique_ptr<fast_dds::FastServices> fast_services_;
   // Null: none is to be served.
   std::unique_ptr<navigate_action::NavigateServer> navigate_;
   // ---- what was published last ----

@@ -225,7 +225,12 @@ TEST_F(AgentTopicsTest, GoalsAndPlacesComeInAndWhatHappensGoesOut) {
   }));
 }
 
-TEST_F(AgentTopicsTest, GoalsAreSentAsActions) {
+class ActionTest : public AgentTopicsTest {
+ protected:
+  ActionTest() { config_.rmw = Rmw::kCyclone; }
+};
+
+TEST_F(ActionTest, GoalsAreSentAsActions) {
   SendMount({.rotation = {}, .translation = {0.2, 0, 0.2}});
   ASSERT_TRUE(Know().ok());
   agent_service::SteppingAgent agent(/*is_simulated=*/false);

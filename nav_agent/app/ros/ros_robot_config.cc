@@ -19,6 +19,7 @@ using bridge_app::BridgeConfig;
 struct RobotFile {
   int domain_id = -1;
   std::string interface;
+  std::string rmw;
   std::string name_space;
   std::string node_name = "treeline";
   std::vector<std::string> remap;
@@ -70,6 +71,8 @@ void AddNetwork(Table& table) {
             {.name = "domain_id", .help = "DDS domain", .min = -1, .max = 232});
   table.Add(&RobotFile::interface,
             {.name = "interface", .help = "Network interface to use alone"});
+  table.Add(&RobotFile::rmw,
+            {.name = "rmw", .help = "The robot's RMW_IMPLEMENTATION"});
   table.Add(&RobotFile::name_space,
             {.name = "namespace", .help = "Of all relative topics"});
   table.Add(&RobotFile::node_name,
@@ -189,6 +192,20 @@ absl::Status TakeTransform(const std::vector<std::string>& numbers,
   return absl::OkStatus();
 }
 
+// environment: of RMW_IMPLEMENTATION; null: none.
+absl::StatusOr<Rmw> RmwOf(const RobotFile& file, const char* environment) {
+  std::string name = file.rmw;
+  if (name.empty() && environment != nullptr) name = environment;
+  if (name.empty() || name == "rmw_fastrtps_cpp" ||
+      name == "rmw_fastrtps_dynamic_cpp") {
+    return Rmw::kFastDds;
+  }
+  if (name == "rmw_cyclonedds_cpp") return Rmw::kCyclone;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "rmw is ", name, file.rmw.empty() ? ", by RMW_IMPLEMENTATION" : "",
+      "; rmw_fastrtps_cpp and rmw_cyclonedds_cpp are spoken"));
+}
+
 // What the relocalizer's settings say likewise.
 absl::Status TakeNetwork(const RobotFile& file, RosRobotConfig& config) {
   BridgeConfig bridge;
@@ -202,6 +219,8 @@ absl::Status TakeNetwork(const RobotFile& file, RosRobotConfig& config) {
   TL_ASSIGN_OR_RETURN(config.domain,
                       bridge.Domain(std::getenv("ROS_DOMAIN_ID")));
   TL_ASSIGN_OR_RETURN(config.node, bridge.Node());
+  TL_ASSIGN_OR_RETURN(config.rmw,
+                      RmwOf(file, std::getenv("RMW_IMPLEMENTATION")));
   config.image = file.image;
   if (!file.image.empty()) config.camera_info = bridge.CameraInfoTopic();
   return absl::OkStatus();

@@ -14,9 +14,18 @@
 
 namespace treeline::ros_app {
 
+// Whose services are spoken. ROS 2's own do not understand each other.
+enum class Rmw {
+  // rmw_fastrtps_cpp, which ROS 2 comes with.
+  kFastDds,
+  // rmw_cyclonedds_cpp.
+  kCyclone
+};
+
 struct RosRobotConfig {
   // ---- who is met, and how ----
   dds::DomainOptions domain;
+  Rmw rmw = Rmw::kFastDds;
   dds::NodeName node;
   bool use_sim_time = false;
   // ---- what the robot says; "": there is none ----

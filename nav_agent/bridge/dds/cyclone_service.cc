@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <deque>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,10 +11,9 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
-#include "absl/time/clock.h"
-#include "absl/time/time.h"
 #include "common/base/status_macros.h"
 #include "dds/dds.h"
+#include "nav_agent/bridge/dds/kept_replies.h"
 #include "nav_agent/bridge/dds/topic_names.h"
 
 namespace treeline::dds {
@@ -26,9 +24,6 @@ constexpr Quality kServices = {
     .is_reliable = true, .is_latched = false, .depth = 10};
 constexpr size_t kEncodingBytes = 4;
 constexpr size_t kHeaderBytes = 16;
-// Replies to clients whose reader has not been found yet, and for how long.
-constexpr size_t kMaxKept = 64;
-constexpr absl::Duration kKeptFor = absl::Seconds(10);
 
 // One number in the byte order that the encoding says, and back: little first.
 uint64_t NumberAt(std::span<const uint8_t> bytes, size_t at, bool is_little) {
@@ -83,13 +78,6 @@ class CycloneService final : public Service {
   const std::string& name() const override { return name_; }
 
  private:
-  enum class Hearing { kHears, kNotYet, kGone };
-  struct Kept {
-    RequestId id;
-    std::vector<uint8_t> bytes;
-    absl::Time until;
-  };
-
   // What RequestId's client holds: the number in the header, and our own for
   // the writer that the request came from, as rmw_cyclonedds keeps them.
   static RequestId IdOf(uint64_t client, uint64_t writer, int64_t sequence) {
@@ -100,19 +88,22 @@ class CycloneService final : public Service {
   }
   Hearing HearingOf(const RequestId& id) const;
   absl::Status Write(const RequestId& id, std::span<const uint8_t> bytes);
-  void SendKept();
 
   const std::string name_;
   const RawTopic request_topic_;
   const RawTopic reply_topic_;
   const Entity reader_;
   const Entity writer_;
-  std::deque<Kept> kept_;
+  KeptReplies kept_;
   int64_t not_understood_ = 0;
 };
 
 std::vector<Request> CycloneService::Take() {
-  SendKept();
+  // Who hears a reply asks again if it is lost.
+  kept_.Send([this](const RequestId& id) { return HearingOf(id); },
+             [this](const RequestId& id, std::span<const uint8_t> bytes) {
+               Write(id, bytes).IgnoreError();
+             });
   std::vector<Request> requests;
   TakeRaw(reader_, [&](std::span<const uint8_t> bytes, int64_t /*written_ns*/,
                        uint64_t writer) {
@@ -139,7 +130,7 @@ std::vector<Request> CycloneService::Take() {
   return requests;
 }
 
-CycloneService::Hearing CycloneService::HearingOf(const RequestId& id) const {
+Hearing CycloneService::HearingOf(const RequestId& id) const {
   const uint64_t writer = NumberAt(id.client, 8, /*is_little=*/true);
   const std::optional<std::string> client = ClientOf(
       Endpoint(dds_get_matched_publication_data(reader_.id(), writer)));
@@ -187,25 +178,8 @@ absl::Status CycloneService::Reply(const RequestId& id,
     case Hearing::kNotYet:
       break;
   }
-  if (kept_.size() >= kMaxKept) kept_.pop_front();
-  kept_.push_back({.id = id,
-                   .bytes = {bytes.begin(), bytes.end()},
-                   .until = absl::Now() + kKeptFor});
+  kept_.Keep(id, bytes);
   return absl::OkStatus();
-}
-
-void CycloneService::SendKept() {
-  std::deque<Kept> kept = std::exchange(kept_, {});
-  const absl::Time now = absl::Now();
-  for (Kept& reply : kept) {
-    const Hearing hearing = HearingOf(reply.id);
-    if (hearing == Hearing::kHears) {
-      // Who hears it asks again if this is lost.
-      Write(reply.id, reply.bytes).IgnoreError();
-    } else if (hearing == Hearing::kNotYet && now < reply.until) {
-      kept_.push_back(std::move(reply));
-    }
-  }
 }
 
 // "serviceid=1.2.3;": any text that no other service of the domain has.
