@@ -4,7 +4,8 @@
 //
 //   action_client DOMAIN fastrtps|cyclonedds
 //
-// Lines on standard input; N is a number from 1 to 255 that stands for an id:
+// Lines on standard input, which wait until the server was found; N is a number
+// from 1 to 255 that stands for an id:
 //   goal N FRAME X Y YAW [TREE]   "nan" is a number, too
 //   cancel N                      0: all
 // On standard output:
@@ -265,13 +266,22 @@ class Lines {
 };
 
 int Main(int domain, const std::string& rmw) {
-  Player player(rmw == "fastrtps" ? OverFastDds(domain) : OverCyclone(domain));
+  // It has the domain, which all the rest is in.
+  const Carrier carrier =
+      rmw == "fastrtps" ? OverFastDds(domain) : OverCyclone(domain);
+  Player player(carrier);
   Lines lines;
   bool is_ready = false;
-  while (lines.Take([&](const std::string& line) { player.Take(line); })) {
+  // As a client that waits for its server.
+  std::vector<std::string> orders;
+  while (lines.Take([&](const std::string& line) { orders.push_back(line); })) {
     if (!is_ready && player.IsReady()) {
       is_ready = true;
       std::printf("ready\n");
+    }
+    if (is_ready) {
+      for (const std::string& order : orders) player.Take(order);
+      orders.clear();
     }
     player.Tell();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
