@@ -14,6 +14,7 @@ namespace treeline::calibrate_app {
 namespace {
 
 using calibration::Quantity;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -110,6 +111,37 @@ TEST_F(CalibrateRun, WritesHardwareFiles) {
               found->calibration.Of(Quantity::kLaserYaw).value, 6e-5);
   EXPECT_NEAR(setup->laser_delay_s,
               found->calibration.Of(Quantity::kLaserDelay).value, 6e-5);
+}
+
+// Turns of its odometry do not follow from the track: what is found of that is
+// a scale, and the file then says the same as the log and the drive.
+TEST_F(CalibrateRun, WritesFilesOfRos) {
+  const std::string ros = folder_.Path("ros.yaml");
+  ASSERT_TRUE(base::WriteFileAtomically(ros,
+                                        "domain_id: 7\n"
+                                        "wheel_track_m: 0.5  # by tape\n")
+                  .ok());
+  const auto found = RunCalibration({.log = log_, .write = ros}, {});
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_THAT(*base::ReadFile(ros),
+              StartsWith("domain_id: 7\nwheel_track_m: 0.5  # by tape\n"));
+  // /tf_static says where its laser is.
+  EXPECT_THAT(*base::ReadFile(ros), Not(HasSubstr("base_from_laser")));
+  EXPECT_THAT(found->notes, Contains(HasSubstr("base_from_laser: [")));
+  const auto setup = ReadSetup(ros, {});
+  ASSERT_TRUE(setup.ok()) << setup.status();
+  EXPECT_NEAR(setup->wheels.track_m,
+              found->calibration.Of(Quantity::kTrack).value, 2e-4);
+  EXPECT_NEAR(setup->wheels.right_scale,
+              found->calibration.Of(Quantity::kRightScale).value, 6e-5);
+  EXPECT_NEAR(setup->laser_delay_s,
+              found->calibration.Of(Quantity::kLaserDelay).value, 6e-5);
+  // A file that says where it is gets it.
+  ASSERT_TRUE(base::WriteFileAtomically(
+                  ros, "domain_id: 7\nbase_from_laser: [0.2, 0, 0.3, 0]\n")
+                  .ok());
+  ASSERT_TRUE(RunCalibration({.log = log_, .write = ros}, {}).ok());
+  EXPECT_THAT(*base::ReadFile(ros), HasSubstr(", 0.3000, "));
 }
 
 TEST_F(CalibrateRun, SaysThatThereAreNoPictures) {

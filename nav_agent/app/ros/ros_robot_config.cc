@@ -62,6 +62,11 @@ struct RobotFile {
   double max_deceleration_mps2 = core::RobotModel().max_deceleration_mps2;
   double max_yaw_acceleration_radps2 =
       core::RobotModel().max_yaw_acceleration_radps2;
+  double left_wheel_scale = 1;
+  double right_wheel_scale = 1;
+  double turn_scale = 1;
+  double laser_delay_s = 0;
+  double camera_delay_s = 0;
 };
 
 using Table = config::ConfigTable<RobotFile>;
@@ -153,6 +158,22 @@ void AddMeasures(Table& table) {
       "... and turns faster", 0.1, 50);
 }
 
+void AddCorrection(Table& table) {
+  const auto add = [&table](double RobotFile::*field, const char* name,
+                            const char* help, double min, double max) {
+    table.Add(field, {.name = name, .help = help, .min = min, .max = max});
+  };
+  add(&RobotFile::left_wheel_scale, "left_wheel_scale",
+      "What the left wheel's way is multiplied by", 0.5, 2);
+  add(&RobotFile::right_wheel_scale, "right_wheel_scale",
+      "... and the right one's", 0.5, 2);
+  add(&RobotFile::turn_scale, "turn_scale", "... and turns after that", 0.5, 2);
+  add(&RobotFile::laser_delay_s, "laser_delay_s",
+      "Scans are stamped later than odometry by this", -0.5, 0.5);
+  add(&RobotFile::camera_delay_s, "camera_delay_s",
+      "... and pictures of the camera", -0.5, 0.5);
+}
+
 const Table& RobotTable() {
   // Immutable; made by the first who asks.
   static const auto* const table = [] {
@@ -160,6 +181,7 @@ const Table& RobotTable() {
     AddNetwork(*made);
     AddTopics(*made);
     AddMeasures(*made);
+    AddCorrection(*made);
     return made;
   }();
   return *table;
@@ -258,6 +280,11 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
   TL_RETURN_IF_ERROR(TakeTransform(file.base_from_camera, "base_from_camera",
                                    config.base_from_camera));
   config.robot = ModelOf(file);
+  config.correction = {.left_scale = file.left_wheel_scale,
+                       .right_scale = file.right_wheel_scale,
+                       .turn_scale = file.turn_scale,
+                       .laser_delay_s = file.laser_delay_s,
+                       .camera_delay_s = file.camera_delay_s};
   TL_RETURN_IF_ERROR(config.Validate());
   return config;
 }

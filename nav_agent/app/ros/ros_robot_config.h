@@ -10,6 +10,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/topic_names.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/core/robot_model.h"
 
 namespace treeline::ros_app {
@@ -63,6 +64,8 @@ struct RosRobotConfig {
   std::optional<geometry::Rigid3> base_from_camera;
   // ---- its measures; where its sensors are is found out ----
   core::RobotModel robot;
+  // What it says is corrected by this before it is used.
+  core::SensorCorrection correction;
 
   absl::Status Validate() const;
 };
