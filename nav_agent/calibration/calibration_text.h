@@ -36,8 +36,8 @@ std::vector<FileEntry> RobotFileEntries(const Calibration& calibration,
 std::vector<FileEntry> HardwareFileEntries(const Calibration& calibration);
 
 // As the file of --ros2 has them: flat. Turns of its odometry do not follow
-// from how far wheels are apart: `wheel_track_m` is the file's, and what of the
-// track was found is a scale of turns.
+// from how far wheels are apart: what was found of the track is a scale of
+// turns, by `wheel_track_m`, which the recording was made with.
 std::vector<FileEntry> RosFileEntries(const Calibration& calibration,
                                       double wheel_track_m, double laser_z_m);
 

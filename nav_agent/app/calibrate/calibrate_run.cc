@@ -100,7 +100,8 @@ absl::StatusOr<calibration::CameraCalibration> CalibrateCameraOf(
                                       assumed);
 }
 
-// model: how high lasers are; of a robot of ROS 2, its track, too.
+// model: how high lasers are; of a robot of ROS 2, the track, too, that its
+// recording was made with.
 std::vector<FileEntry> LaserEntries(const Calibration& calibration,
                                     RobotFileKind kind,
                                     const core::RobotModel& model,
@@ -167,14 +168,19 @@ void LeaveMountsToTf(const yaml::YamlNode& file, const core::RobotModel& model,
 }
 
 // Changes the file, and checks that a robot can still be read of it.
-absl::Status WriteInto(const std::string& path, CalibrateResult& result) {
+absl::Status WriteInto(const std::string& path, const Drive& drive,
+                       CalibrateResult& result) {
   TL_ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, 65536));
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode file,
                       yaml::YamlNode::Parse(text, path));
   // That a robot can be read of it, before anything is changed.
   TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile before,
                       ros_app::ReadAnyRobotFile(path));
-  const core::RobotModel& model = before.robot.model;
+  core::RobotModel model = before.robot.model;
+  // What of the track was found is against that of the recording.
+  if (before.kind == RobotFileKind::kRos) {
+    model.wheel_track_m = drive.robot.wheel_track_m;
+  }
   std::vector<FileEntry> entries = EntriesFor(result, before.kind, model);
   if (before.kind == RobotFileKind::kRos) {
     LeaveMountsToTf(file, model, result, entries);
@@ -242,7 +248,7 @@ absl::Status WriteAll(const CalibrateOptions& options, const Drive& drive,
         options, result.calibration,
         path.HasGyroscope(drive.robot.wheel_track_m), options.corrected));
   }
-  if (!options.write.empty()) return WriteInto(options.write, result);
+  if (!options.write.empty()) return WriteInto(options.write, drive, result);
   return absl::OkStatus();
 }
 
@@ -310,6 +316,7 @@ absl::StatusOr<Setup> ReadSetup(const std::string& robot,
   // Where its sensors are the recording says.
   if (file.kind == RobotFileKind::kRos) {
     model.base_from_laser = recorded.base_from_laser;
+    model.wheel_track_m = recorded.wheel_track_m;
   }
   Setup setup = SetupOf(model, file.robot.correction);
   setup.wheels.track_m /= file.robot.correction.turn_scale;

@@ -48,8 +48,8 @@ absl::StatusOr<CalibrateResult> RunCalibration(const CalibrateOptions& options,
                                                const std::stop_token& stop);
 
 // A robot's file (docs/reference/robots.md), a name of a robot, a file of
-// --hardware, which names a `base`, or one of --ros2: of that robot, sensors
-// are where `recorded` has them.
+// --hardware, which names a `base`, or one of --ros2: of that robot, the track
+// and where sensors are is as `recorded` has it.
 absl::StatusOr<calibration::Setup> ReadSetup(
     const std::string& robot, const core::RobotModel& recorded = {});
 
