@@ -10,7 +10,7 @@
 //   cancel N                      0: all
 // On standard output:
 //   ready                         the server was found
-//   accepted N | rejected N
+//   accepted N MS | rejected N MS   since it was sent
 //   canceling CODE COUNT
 //   status N:STATUS ...           whenever it changes
 //   feedback N TO_GO_M TIME_S RECOVERIES X Y
@@ -156,7 +156,11 @@ class Player {
   const Listener feedback_;
   const Listener status_;
   // Requests that are not answered, and of which goal they are.
-  std::map<int64_t, int> goals_;
+  struct SentGoal {
+    int number = 0;
+    std::chrono::steady_clock::time_point sent;
+  };
+  std::map<int64_t, SentGoal> goals_;
   std::map<int64_t, int> cancels_;
   std::map<int64_t, int> results_;
 };
@@ -183,7 +187,8 @@ void Player::Take(const std::string& line) {
                                      0};
   request.goal.pose.pose.orientation.z = std::sin(yaw / 2);
   request.goal.pose.pose.orientation.w = std::cos(yaw / 2);
-  goals_[send_goal_.ask(messages::Encode(request))] = number;
+  const int64_t asked = send_goal_.ask(messages::Encode(request));
+  goals_[asked] = {.number = number, .sent = std::chrono::steady_clock::now()};
 }
 
 void Player::TellReplies() {
@@ -191,12 +196,14 @@ void Player::TellReplies() {
     const auto reply =
         Reply<messages::NavigateToPoseSendGoalResponse>(send_goal_, goal.first);
     if (!reply.has_value()) return false;
-    std::printf("%s %d\n", reply->accepted ? "accepted" : "rejected",
-                goal.second);
+    const std::chrono::duration<double, std::milli> took =
+        std::chrono::steady_clock::now() - goal.second.sent;
+    std::printf("%s %d %.1f\n", reply->accepted ? "accepted" : "rejected",
+                goal.second.number, took.count());
     if (reply->accepted) {
       results_[get_result_.ask(
           messages::Encode(messages::NavigateToPoseGetResultRequest{
-              .goal_id = IdOf(goal.second)}))] = goal.second;
+              .goal_id = IdOf(goal.second.number)}))] = goal.second.number;
     }
     return true;
   });
