@@ -283,9 +283,11 @@ class RobotProgramTest(unittest.TestCase):
             "time passes", lambda s: float(s["t"]) > float(after["t"]) + 1)
         self.assertEqual(after["commands"], again["commands"])
         # Ctrl-C in the middle of a drive.
-        robot.order("goal", 1.2, 1.2, 0)
+        client = self.start(Program, PROGRAMS.client, self.domain, "fastrtps")
+        client.order("goal", 9, "map", 0, 0, 0)
         robot.wait_until("it drives", drives)
         self.assertEqual(agent.end(signal.SIGINT), 0, "".join(agent.said))
+        client.wait_for("result 9 6 ")
         last = robot.wait_until("it stands", stands)
         self.assertEqual(numbers(last["cmd"]), [0, 0])
 

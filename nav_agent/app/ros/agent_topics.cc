@@ -189,6 +189,7 @@ void AgentTopics::Run(const std::stop_token& stop) {
       warn_(last_error);
     }
   }
+  if (navigate_ != nullptr) navigate_->Close(Now());
 }
 
 messages::Header AgentTopics::InMap(base::MonotonicTime stamp) const {

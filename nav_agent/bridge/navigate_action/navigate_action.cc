@@ -234,6 +234,13 @@ std::optional<messages::NavigateToPoseFeedback> NavigateAction::Follow(
   return feedback;
 }
 
+void NavigateAction::Abort(const std::string& why, const Moment& moment) {
+  if (Goal* goal = Current(); goal != nullptr) {
+    End(*goal, GoalStatus::kAborted, moment.now,
+        {.error_code = kControlUnknown, .error_msg = why});
+  }
+}
+
 messages::GoalStatusArray NavigateAction::Statuses() const {
   messages::GoalStatusArray array;
   for (const Goal& goal : goals_) {

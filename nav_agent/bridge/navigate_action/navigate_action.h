@@ -11,6 +11,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -71,6 +72,9 @@ class NavigateAction {
   std::optional<messages::NavigateToPoseFeedback> Follow(
       const agent_service::AgentState& state, const Moment& moment,
       const std::string& map_frame);
+
+  // The goal under way is aborted: nobody drives to it any more.
+  void Abort(const std::string& why, const Moment& moment);
 
   // Of the goal that Follow tells of, or told of last.
   const messages::Uuid& current_id() const { return current_id_; }

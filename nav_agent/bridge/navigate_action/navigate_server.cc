@@ -145,4 +145,11 @@ absl::Status NavigateServer::Tell(const agent_service::AgentState& state,
           .goal_id = action_.current_id(), .feedback = *feedback}));
 }
 
+void NavigateServer::Close(const Moment& moment) {
+  action_.Abort("the agent ends", moment);
+  WarnOf(*send_goal_, PublishStatuses());
+  TakeResultRequests();
+  SendResults();
+}
+
 }  // namespace treeline::navigate_action

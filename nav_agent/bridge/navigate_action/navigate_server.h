@@ -38,6 +38,8 @@ class NavigateServer {
   // Tells what has become of goals. Errors: of DDS.
   absl::Status Tell(const agent_service::AgentState& state,
                     const Moment& moment, const std::string& map_frame);
+  // The agent ends: so does its goal, and who waits for its result hears it.
+  void Close(const Moment& moment);
 
  private:
   struct Waiting {

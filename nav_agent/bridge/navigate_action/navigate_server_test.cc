@@ -177,6 +177,22 @@ TEST_F(NavigateServerTest, WhatIsBrokenIsRefusedAndNamed) {
   EXPECT_EQ(goals_, 0U);
 }
 
+TEST_F(NavigateServerTest, WhoWaitsForAResultHearsThatTheAgentEnds) {
+  ActionClient client(*domain_);
+  ASSERT_TRUE(Until([&] { return client.IsMatched(); }));
+  const auto accepted = Reply<messages::NavigateToPoseSendGoalResponse>(
+      client.send_goal, client.send_goal.Ask(messages::Encode(Goal(1))));
+  ASSERT_TRUE(accepted.ok() && accepted->accepted);
+  const int64_t asked = client.get_result.Ask(messages::Encode(
+      messages::NavigateToPoseGetResultRequest{.goal_id = Goal(1).goal_id}));
+  server_->Close(kMoment);
+  const auto result = Reply<messages::NavigateToPoseGetResultResponse>(
+      client.get_result, asked);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->status, GoalStatus::kAborted);
+  EXPECT_EQ(result->result.error_msg, "the agent ends");
+}
+
 // It goes on: another client may cancel it and ask for its result.
 TEST_F(NavigateServerTest, AGoalOutlivesItsClient) {
   auto client = std::make_unique<ActionClient>(*domain_);
