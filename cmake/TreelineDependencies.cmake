@@ -32,6 +32,8 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 find_package(octomap REQUIRED)
 find_package(CycloneDDS REQUIRED)
+find_package(fastcdr REQUIRED)
+find_package(fastrtps REQUIRED)
 # What its CMake file names besides, /usr/include as a system's folder and
 # development files of Boost, would break builds.
 find_package(ompl REQUIRED)

@@ -124,6 +124,11 @@ TEST(Calibration, SaysWhatAStraightDriveDoesNotShow) {
   EXPECT_THAT(table, HasSubstr("turn on the spot, a few whole turns each way"));
   EXPECT_THAT(EntriesYaml(RobotFileEntries(calibration, 0.3), ""),
               Not(HasSubstr("wheel_track_m")));
+  // Where the laser looks was found; where it is stays as it was.
+  const std::string ros =
+      EntriesYaml(RosFileEntries(calibration, 0.54, 0.3), "");
+  EXPECT_THAT(ros, Not(HasSubstr("turn_scale")));
+  EXPECT_THAT(ros, HasSubstr("base_from_laser: [0.2200, 0.0000, 0.3000, "));
 }
 
 TEST(Calibration, SaysThatARobotStood) {

@@ -1,5 +1,6 @@
 #include "nav_agent/calibration/calibration_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -236,6 +237,38 @@ std::vector<FileEntry> HardwareFileEntries(const Calibration& calibration) {
   return entries;
 }
 
+std::vector<FileEntry> RosFileEntries(const Calibration& calibration,
+                                      double wheel_track_m, double laser_z_m) {
+  std::vector<FileEntry> entries;
+  for (const auto& [quantity, key] :
+       {std::pair{Quantity::kLeftScale, "left_wheel_scale"},
+        {Quantity::kRightScale, "right_wheel_scale"},
+        {Quantity::kLaserDelay, "laser_delay_s"}}) {
+    if (!calibration.Of(quantity).is_known) continue;
+    entries.push_back({"", key, Number(calibration.Of(quantity).value),
+                       Uncertainty(quantity, calibration)});
+  }
+  const Estimate& track = calibration.Of(Quantity::kTrack);
+  if (track.is_known) {
+    entries.push_back(
+        {"", "turn_scale", Number(wheel_track_m / track.value),
+         absl::StrFormat("+- %.4f", wheel_track_m * track.sigma /
+                                        (track.value * track.value))});
+  }
+  const Estimate& x = calibration.Of(Quantity::kLaserX);
+  const Estimate& y = calibration.Of(Quantity::kLaserY);
+  const Estimate& yaw = calibration.Of(Quantity::kLaserYaw);
+  if (x.is_known || y.is_known || yaw.is_known) {
+    entries.push_back(
+        {"", "base_from_laser",
+         absl::StrCat("[", Number(x.value), ", ", Number(y.value), ", ",
+                      Number(laser_z_m), ", ", Number(yaw.value), "]"),
+         Uncertainty(x.is_known ? Quantity::kLaserX : Quantity::kLaserYaw,
+                     calibration)});
+  }
+  return entries;
+}
+
 std::string CameraTable(const CameraCalibration& calibration) {
   std::string text;
   std::set<std::string> drives;
@@ -284,6 +317,11 @@ std::vector<FileEntry> CameraFileEntries(const CameraCalibration& calibration) {
     entries.push_back({"camera", key, Number(estimate.value),
                        CameraUncertainty(quantity, calibration)});
   }
+  const Estimate& delay = calibration.Of(CameraQuantity::kDelay);
+  if (delay.is_known) {
+    entries.push_back({"odometry", "camera_delay_s", Number(delay.value),
+                       CameraUncertainty(CameraQuantity::kDelay, calibration)});
+  }
   return entries;
 }
 
@@ -294,12 +332,39 @@ std::vector<FileEntry> CameraHardwareEntries(
       {CameraQuantity::kX, "camera_x_m"},
       {CameraQuantity::kY, "camera_y_m"},
       {CameraQuantity::kZ, "camera_z_m"},
-      {CameraQuantity::kDown, "camera_down_rad"}};
+      {CameraQuantity::kDown, "camera_down_rad"},
+      {CameraQuantity::kDelay, "camera_delay_s"}};
   for (const auto& [quantity, key] : keys) {
     const Estimate& estimate = calibration.Of(quantity);
     if (!estimate.is_known) continue;
     entries.push_back({"", key, Number(estimate.value),
                        CameraUncertainty(quantity, calibration)});
+  }
+  return entries;
+}
+
+std::vector<FileEntry> CameraRosEntries(const CameraCalibration& calibration) {
+  std::vector<FileEntry> entries;
+  const bool is_found =
+      std::ranges::any_of(calibration.estimates, [&](const Estimate& estimate) {
+        return estimate.is_known &&
+               &estimate != &calibration.Of(CameraQuantity::kDelay);
+      });
+  if (is_found) {
+    const geometry::Rigid3 camera = calibration.BaseFromCamera();
+    const geometry::Rotation3& q = camera.rotation;
+    entries.push_back(
+        {"", "base_from_camera",
+         absl::StrCat("[", Number(camera.translation.x), ", ",
+                      Number(camera.translation.y), ", ",
+                      Number(camera.translation.z), ", ", Number(q.x), ", ",
+                      Number(q.y), ", ", Number(q.z), ", ", Number(q.w), "]"),
+         CameraUncertainty(CameraQuantity::kX, calibration)});
+  }
+  const Estimate& delay = calibration.Of(CameraQuantity::kDelay);
+  if (delay.is_known) {
+    entries.push_back({"", "camera_delay_s", Number(delay.value),
+                       CameraUncertainty(CameraQuantity::kDelay, calibration)});
   }
   return entries;
 }

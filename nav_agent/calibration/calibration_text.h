@@ -35,12 +35,19 @@ std::vector<FileEntry> RobotFileEntries(const Calibration& calibration,
 // As the file of --hardware has them: flat.
 std::vector<FileEntry> HardwareFileEntries(const Calibration& calibration);
 
+// As the file of --ros2 has them: flat. Turns of its odometry do not follow
+// from how far wheels are apart: what was found of the track is a scale of
+// turns, by `wheel_track_m`, which the recording was made with.
+std::vector<FileEntry> RosFileEntries(const Calibration& calibration,
+                                      double wheel_track_m, double laser_z_m);
+
 // The same of a camera.
 std::string CameraTable(const CameraCalibration& calibration);
 std::vector<FileEntry> CameraFileEntries(const CameraCalibration& calibration);
 // Flat; a file of --hardware has no yaw of a camera.
 std::vector<FileEntry> CameraHardwareEntries(
     const CameraCalibration& calibration);
+std::vector<FileEntry> CameraRosEntries(const CameraCalibration& calibration);
 
 // The entries as YAML with comments, below the comment `title`.
 std::string EntriesYaml(const std::vector<FileEntry>& entries,

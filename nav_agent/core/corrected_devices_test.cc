@@ -49,6 +49,39 @@ TEST(CorrectedDevices, WheelsRollAsFarAsTheyTrulyDo) {
   EXPECT_EQ(odometry.Health().received, 7);
 }
 
+TEST(CorrectedDevices, TurnsAreScaledAndTheWayIsNot) {
+  BaseReading reading = {.stamp = {},
+                         .left_wheel_m = 1,
+                         .right_wheel_m = 3,
+                         .yaw_rate_radps = 0.5};
+  Correct({.turn_scale = 1.5}, reading);
+  EXPECT_DOUBLE_EQ(reading.left_wheel_m, 0.5);
+  EXPECT_DOUBLE_EQ(reading.right_wheel_m, 3.5);
+  EXPECT_DOUBLE_EQ(reading.yaw_rate_radps, 0.75);
+}
+
+class OneFrame final : public RgbdCamera {
+ public:
+  camera::RgbdCalibration Calibration() const override { return {}; }
+  std::vector<RgbdFrame> TakeFrames() override {
+    std::vector<RgbdFrame> frames(1);
+    frames[0].stamp = base::MonotonicTime(milliseconds(500));
+    return frames;
+  }
+  DeviceHealth Health() const override {
+    return {.state = DeviceState::kRunning, .received = 5};
+  }
+};
+
+TEST(CorrectedDevices, PicturesAreOnTheWheelsTime) {
+  OneFrame raw;
+  CorrectedCamera camera(raw, {.camera_delay_s = 0.1});
+  const std::vector<RgbdFrame> frames = camera.TakeFrames();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].stamp, base::MonotonicTime(milliseconds(400)));
+  EXPECT_EQ(camera.Health().received, 5);
+}
+
 TEST(CorrectedDevices, ScansAreOnTheWheelsTime) {
   OneScan raw;
   CorrectedLaser laser(raw, kCorrection);

@@ -257,16 +257,22 @@ absl::Status ReadCorrection(const yaml::YamlNode& file,
                             SensorCorrection& correction) {
   if (!file.Has("odometry")) return absl::OkStatus();
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, file.Get("odometry"));
-  TL_RETURN_IF_ERROR(
-      node.CheckKeys({"left_scale", "right_scale", "laser_delay_s"}));
+  TL_RETURN_IF_ERROR(node.CheckKeys({"left_scale", "right_scale", "turn_scale",
+                                     "laser_delay_s", "camera_delay_s"}));
   TL_ASSIGN_OR_RETURN(
       correction.left_scale,
       node.NumberOr("left_scale", correction.left_scale, kMinScale, kMaxScale));
   TL_ASSIGN_OR_RETURN(correction.right_scale,
                       node.NumberOr("right_scale", correction.right_scale,
                                     kMinScale, kMaxScale));
+  TL_ASSIGN_OR_RETURN(
+      correction.turn_scale,
+      node.NumberOr("turn_scale", correction.turn_scale, kMinScale, kMaxScale));
   TL_ASSIGN_OR_RETURN(correction.laser_delay_s,
                       node.NumberOr("laser_delay_s", correction.laser_delay_s,
+                                    -kMaxDelay_s, kMaxDelay_s));
+  TL_ASSIGN_OR_RETURN(correction.camera_delay_s,
+                      node.NumberOr("camera_delay_s", correction.camera_delay_s,
                                     -kMaxDelay_s, kMaxDelay_s));
   return absl::OkStatus();
 }
@@ -278,7 +284,11 @@ absl::Status SensorCorrection::Validate() const {
       base::CheckRange("left_scale", left_scale, kMinScale, kMaxScale));
   TL_RETURN_IF_ERROR(
       base::CheckRange("right_scale", right_scale, kMinScale, kMaxScale));
-  return base::CheckRange("laser_delay_s", laser_delay_s, -kMaxDelay_s,
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("turn_scale", turn_scale, kMinScale, kMaxScale));
+  TL_RETURN_IF_ERROR(base::CheckRange("laser_delay_s", laser_delay_s,
+                                      -kMaxDelay_s, kMaxDelay_s));
+  return base::CheckRange("camera_delay_s", camera_delay_s, -kMaxDelay_s,
                           kMaxDelay_s);
 }
 

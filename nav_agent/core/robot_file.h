@@ -19,9 +19,13 @@ struct SensorCorrection {
   // What the wheels count is multiplied by (0.5 to 2).
   double left_scale = 1;
   double right_scale = 1;
-  // Scans of the laser are stamped this much later than wheel readings of the
-  // same moment (s, -0.5 to 0.5).
+  // What turns are multiplied by after that (0.5 to 2): of odometry whose turns
+  // do not follow from how far wheels are apart.
+  double turn_scale = 1;
+  // Scans of the laser, and pictures of the camera, are stamped this much later
+  // than wheel readings of the same moment (s, -0.5 to 0.5).
   double laser_delay_s = 0;
+  double camera_delay_s = 0;
 
   constexpr bool operator==(const SensorCorrection&) const = default;
   // INVALID_ARGUMENT for what is not within these bounds.

@@ -81,18 +81,23 @@ absl::StatusOr<ConvertedLog> ToMcap(const std::string& from,
   return converted;
 }
 
-absl::StatusOr<ConvertedLog> ToAgentLog(const std::string& from,
-                                        const std::string& to,
-                                        const BagLogOptions& options) {
+absl::StatusOr<ConvertedLog> ToAgentLog(
+    const std::string& from, const std::string& to,
+    const BagLogOptions& options,
+    const recording::LogCorrection& correction = {}) {
   const base::SteadyClock clock;
   TL_ASSIGN_OR_RETURN(
       const std::unique_ptr<recording::AgentLogWriter> writer,
       recording::AgentLogWriter::Open(to, /*append=*/false, clock));
-  TL_ASSIGN_OR_RETURN(
-      ConvertedLog converted,
-      ReadAnyLog(from, options, [&](const recording::LogEntry& entry) {
-        return writer->Write(entry);
-      }));
+  // Holds if the log names no robot.
+  if (correction.robot.has_value()) {
+    TL_RETURN_IF_ERROR(writer->Write(*correction.robot));
+  }
+  TL_ASSIGN_OR_RETURN(ConvertedLog converted,
+                      ReadAnyLog(from, options, [&](recording::LogEntry entry) {
+                        recording::Correct(correction, entry);
+                        return writer->Write(entry);
+                      }));
   TL_RETURN_IF_ERROR(writer->Flush());
   return converted;
 }
@@ -190,7 +195,13 @@ absl::StatusOr<ConvertedLog> ConvertLog(const std::string& from,
 
 absl::StatusOr<AsAgentLog> AsAgentLog::Open(const std::string& path,
                                             bool with_frames) {
-  if (!bag::IsBag(path)) return AsAgentLog(path, false);
+  return Open(path, with_frames, {});
+}
+
+absl::StatusOr<AsAgentLog> AsAgentLog::Open(
+    const std::string& path, bool with_frames,
+    const recording::LogCorrection& correction) {
+  if (!bag::IsBag(path) && correction.IsNone()) return AsAgentLog(path, false);
   std::error_code error;
   const fs::path folder = fs::temp_directory_path(error);
   std::string temporary = (folder / "treeline-log-XXXXXX").string();
@@ -202,7 +213,13 @@ absl::StatusOr<AsAgentLog> AsAgentLog::Open(const std::string& path,
   BagLogOptions options;
   options.with_frames = with_frames;
   TL_ASSIGN_OR_RETURN(ConvertedLog converted,
-                      ToAgentLog(path, made.path_, options));
+                      ToAgentLog(path, made.path_, options, correction));
+  if (converted.from == "laser log") {
+    return absl::InvalidArgumentError(absl::StrCat(
+        path,
+        ": a laser log tells poses, not wheels: there is nothing to "
+        "correct in it; leave --robot out"));
+  }
   made.notes_ = std::move(converted.notes);
   return made;
 }

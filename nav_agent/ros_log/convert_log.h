@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "common/mcap/mcap_compression.h"
 #include "nav_agent/recording/laser_log.h"
+#include "nav_agent/recording/log_correction.h"
 #include "nav_agent/ros_log/bag_to_log.h"
 
 namespace treeline::ros_log {
@@ -47,13 +48,17 @@ absl::StatusOr<ConvertedLog> ConvertLog(const std::string& from,
                                         const std::string& to,
                                         const ConvertOptions& options);
 
-// A recording of ROS as a temporary agent log, for what reads only those; any
-// other file as it is.
+// A recording of ROS as a temporary agent log, for what reads only those; so
+// any log that is corrected; any other file as it is.
 class AsAgentLog {
  public:
   // The errors of reading.
   static absl::StatusOr<AsAgentLog> Open(const std::string& path,
                                          bool with_frames);
+  // INVALID_ARGUMENT: a public laser log, which tells poses and not wheels.
+  static absl::StatusOr<AsAgentLog> Open(
+      const std::string& path, bool with_frames,
+      const recording::LogCorrection& correction);
   AsAgentLog(AsAgentLog&& other) noexcept;
   AsAgentLog& operator=(AsAgentLog&&) = delete;
   ~AsAgentLog();

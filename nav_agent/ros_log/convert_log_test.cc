@@ -344,6 +344,45 @@ TEST_F(ForeignBagTest, AsATemporaryLogThatGoesAway) {
   EXPECT_EQ(other->path(), folder_.Path("in.tlog"));
 }
 
+TEST_F(ConvertLogTest, ACorrectedLogIsATemporaryOneToo) {
+  core::RobotModel robot = Robot();
+  robot.wheel_track_m = 0.7;
+  const recording::LogCorrection correction = {
+      .sensors = {.left_scale = 0.5, .laser_delay_s = 0.1}, .robot = robot};
+  const std::string original = WriteLog(Entries());
+  const auto log = AsAgentLog::Open(original, true, correction);
+  ASSERT_TRUE(log.ok()) << log.status();
+  EXPECT_NE(log->path(), original);
+  const std::vector<LogEntry> before = ReadLog(original);
+  const std::vector<LogEntry> after = ReadLog(log->path());
+  const auto old_scans = Only<core::LaserScan>(before);
+  const auto scans = Only<core::LaserScan>(after);
+  ASSERT_EQ(scans.size(), old_scans.size());
+  EXPECT_EQ(old_scans[0].stamp - scans[0].stamp,
+            std::chrono::milliseconds(100));
+  const auto old_readings = Only<core::BaseReading>(before);
+  const auto readings = Only<core::BaseReading>(after);
+  ASSERT_EQ(readings.size(), old_readings.size());
+  EXPECT_DOUBLE_EQ(readings.back().left_wheel_m,
+                   old_readings.back().left_wheel_m / 2);
+  for (const core::RobotModel& told : Only<core::RobotModel>(after)) {
+    EXPECT_EQ(told.wheel_track_m, 0.7);
+  }
+}
+
+TEST_F(ConvertLogTest, ALaserLogHasNothingToCorrect) {
+  const std::string path = folder_.Path("drive.log");
+  ASSERT_TRUE(
+      base::WriteNewFile(path,
+                         "FLASER 3 1.0 2.0 3.0 0 0 0 0 0 0 1.0 host 1.0\n"
+                         "FLASER 3 1.0 2.0 3.0 0 0 0 0 0 0 2.0 host 2.0\n")
+          .ok());
+  const auto log = AsAgentLog::Open(
+      path, true, {.sensors = {.left_scale = 0.5}, .robot = {}});
+  EXPECT_EQ(log.status().code(), absl::StatusCode::kInvalidArgument)
+      << log.status();
+}
+
 TEST_F(ConvertLogTest, ACarmenLogBecomesMcap) {
   recording::LaserLog log;
   log.laser = {.angle_min_rad = -1.5,

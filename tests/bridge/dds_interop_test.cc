@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "common/ros2/messages/action_messages.h"
 #include "common/ros2/messages/common_messages.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/message_codec.h"
@@ -187,6 +188,38 @@ TEST_F(DdsInteropTest, NavigationMessages) {
   ExpectEcho(messages::Path{.header = kHeader,
                             .poses = {{.header = kHeader, .pose = kPose},
                                       {.header = {}, .pose = {}}}});
+}
+
+TEST_F(DdsInteropTest, ActionMessages) {
+  messages::Uuid id;
+  for (size_t i = 0; i < id.uuid.size(); ++i) {
+    id.uuid[i] = static_cast<uint8_t>(0xa0 + i);
+  }
+  const messages::GoalInfo info = {.goal_id = id, .stamp = kHeader.stamp};
+  // An odd number of bytes each: what follows is aligned.
+  ExpectEcho(messages::GoalStatusArray{
+      .status_list = {{.goal_info = info, .status = 2},
+                      {.goal_info = info, .status = -1},
+                      {.goal_info = {}, .status = 6}}});
+  ExpectEcho(messages::CancelGoalRequest{.goal_info = info});
+  ExpectEcho(messages::CancelGoalResponse{.return_code = 3,
+                                          .goals_canceling = {info, {}}});
+  ExpectEcho(messages::NavigateToPoseSendGoalRequest{
+      .goal_id = id,
+      .goal = {.pose = {.header = kHeader, .pose = kPose},
+               .behavior_tree = "/opt/tree.xml"}});
+  ExpectEcho(messages::NavigateToPoseSendGoalResponse{.accepted = true,
+                                                      .stamp = kHeader.stamp});
+  ExpectEcho(messages::NavigateToPoseGetResultRequest{.goal_id = id});
+  ExpectEcho(messages::NavigateToPoseGetResultResponse{
+      .status = 6, .result = {.error_code = 40'208, .error_msg = "no way"}});
+  ExpectEcho(messages::NavigateToPoseFeedbackMessage{
+      .goal_id = id,
+      .feedback = {.current_pose = {.header = kHeader, .pose = kPose},
+                   .navigation_time = {.sec = -3, .nanosec = 999'999'999},
+                   .estimated_time_remaining = {.sec = 5, .nanosec = 6},
+                   .number_of_recoveries = -7,
+                   .distance_remaining = 2.5F}});
 }
 
 }  // namespace

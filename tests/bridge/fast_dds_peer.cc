@@ -39,10 +39,12 @@ using eprosima::fastcdr::FastBuffer;
 using Bytes = std::vector<char>;
 
 // The public definitions, field by field. b: uint8 and byte, c: int8, o: bool,
-// i: int32, I: uint32, f: float32, d: float64, s: string; [...]: a sequence;
-// N{...}: N times.
+// h: int16, H: uint16, i: int32, I: uint32, f: float32, d: float64, s: string;
+// [...]: a sequence; N{...}: N times.
 const std::string kHeader = "iIs";
 const std::string kPose = "7{d}";
+const std::string kUuid = "16{b}";
+const std::string kNavigateToPose = "nav2_msgs::action::dds_::NavigateToPose_";
 const std::map<std::string, std::string> kDefinitions = {
     {"std_msgs::msg::dds_::Header_", kHeader},
     {"rosgraph_msgs::msg::dds_::Clock_", "iI"},
@@ -63,6 +65,14 @@ const std::map<std::string, std::string> kDefinitions = {
      kHeader + "s" + kPose + "36{d}6{d}36{d}"},
     {"nav_msgs::msg::dds_::OccupancyGrid_", kHeader + "iIfII" + kPose + "[c]"},
     {"nav_msgs::msg::dds_::Path_", kHeader + "[" + kHeader + kPose + "]"},
+    {"action_msgs::msg::dds_::GoalStatusArray_", "[" + kUuid + "iIc]"},
+    {"action_msgs::srv::dds_::CancelGoal_Request_", kUuid + "iI"},
+    {"action_msgs::srv::dds_::CancelGoal_Response_", "c[" + kUuid + "iI]"},
+    {kNavigateToPose + "SendGoal_Request_", kUuid + kHeader + kPose + "s"},
+    {kNavigateToPose + "SendGoal_Response_", "oiI"},
+    {kNavigateToPose + "GetResult_Request_", kUuid},
+    {kNavigateToPose + "GetResult_Response_", "cHs"},
+    {kNavigateToPose + "FeedbackMessage_", kUuid + kHeader + kPose + "iIiIhf"},
 };
 
 template <typename T>
@@ -87,6 +97,10 @@ void CopyOne(char kind, Cdr& in, Cdr& out) {
       return CopyValue<int8_t>(in, out);
     case 'o':
       return CopyValue<bool>(in, out);
+    case 'h':
+      return CopyValue<int16_t>(in, out);
+    case 'H':
+      return CopyValue<uint16_t>(in, out);
     case 'i':
       return CopyValue<int32_t>(in, out);
     case 'I':

@@ -99,12 +99,13 @@ class Program:
         return code
 
 
-class Robot(Program):
-    """simulated_robot: orders go in, and its newest status is waited for."""
-
     def order(self, *words):
         self.process.stdin.write(" ".join(map(str, words)) + "\n")
         self.process.stdin.flush()
+
+
+class Robot(Program):
+    """simulated_robot: orders go in, and its newest status is waited for."""
 
     def status(self):
         """The newest there is, or else the next one."""
@@ -221,6 +222,48 @@ class RobotProgramTest(unittest.TestCase):
         self.arrives(robot, 4.6, 1.2)
         self.is_placed(robot)
 
+    def is_sent_by_action(self, robot, rmw):
+        """As Nav2's clients send it. The map begins where the tour did."""
+        client = self.start(Program, PROGRAMS.client, self.domain, rmw)
+        there, back = (3.4, 0.0), (0.0, 0.2)
+        # What is no goal for it, and one that it cannot reach.
+        client.order("goal", 1, "odom", *there, 0)
+        client.wait_for("rejected 1")
+        client.order("goal", 2, "map", "nan", 0, 0)
+        client.wait_for("rejected 2")
+        client.order("goal", 3, "map", *there, 0, "/opt/tree.xml")
+        client.wait_for("rejected 3")
+        client.order("goal", 4, "map", 60, 60, 0)
+        client.wait_for("accepted 4")
+        client.wait_for("result 4 6 204 ")
+        # The next goal takes the place of the one before it; it is cancelled.
+        client.order("goal", 5, "map", *there, 0)
+        client.wait_for(r"status .*5:2|accepted 5")
+        to_go = client.wait_for(r"feedback 5 ([1-9]\S*) (\S+) 0 \S+ \S+")
+        self.assertLess(float(to_go[1]), 6)
+        robot.wait_until("it drives", drives)
+        client.order("goal", 6, "map", *there, 0)
+        client.wait_for("result 5 6 0 another goal")
+        client.order("cancel", 6)
+        client.wait_for("canceling 0 1")
+        client.wait_for("result 6 5 0")
+        robot.wait_until("it stands", stands)
+        client.order("cancel", 6)
+        client.wait_for("canceling 3 0")
+        client.order("cancel", 77)
+        client.wait_for("canceling 2 0")
+        # A client that dies leaves its goal; who comes next is told of it.
+        client.order("goal", 7, "map", *there, 0)
+        client.wait_for("feedback 7 ")
+        client.end(signal.SIGKILL)
+        robot.wait_until("it drives", drives)
+        self.arrives(robot, 4.6, 1.2)
+        client = self.start(Program, PROGRAMS.client, self.domain, rmw)
+        client.wait_for(r"status .*5:6 6:5 7:4")
+        client.order("goal", 8, "map", *back, 0)
+        client.wait_for("result 8 4 0")
+        self.arrives(robot, 1.2, 1.4)
+
     def test_it_is_mapped_driven_carried_away_and_found(self):
         robot = self.start_robot(0, "plain")
         config = self.write("robot.yaml",
@@ -229,6 +272,7 @@ class RobotProgramTest(unittest.TestCase):
         agent = self.drive(config)
         robot.order("place", *numbers(robot.status()["true"]))
         self.is_placed(robot)
+        self.is_sent_by_action(robot, "fastrtps")
         self.is_carried_away_and_found(robot)
         # Whoever is told nothing may be driven by somebody else.
         before = robot.wait_until("all is told", stands)
@@ -239,20 +283,24 @@ class RobotProgramTest(unittest.TestCase):
             "time passes", lambda s: float(s["t"]) > float(after["t"]) + 1)
         self.assertEqual(after["commands"], again["commands"])
         # Ctrl-C in the middle of a drive.
-        robot.order("goal", 1.2, 1.2, 0)
+        client = self.start(Program, PROGRAMS.client, self.domain, "fastrtps")
+        client.order("goal", 9, "map", 0, 0, 0)
         robot.wait_until("it drives", drives)
         self.assertEqual(agent.end(signal.SIGINT), 0, "".join(agent.said))
+        client.wait_for("result 9 6 ")
         last = robot.wait_until("it stands", stands)
         self.assertEqual(numbers(last["cmd"]), [0, 0])
 
     def test_it_stands_when_it_does_not_hear_and_goes_on(self):
         robot = self.start_robot(0, "plain")
-        config = self.write("robot.yaml",
-                            ROBOT.format(domain=self.domain, more=""))
+        config = self.write(
+            "robot.yaml", ROBOT.format(domain=self.domain,
+                                       more="rmw: rmw_cyclonedds_cpp"))
         self.map(robot, config)
         agent = self.drive(config)
         robot.order("place", *numbers(robot.status()["true"]))
         self.is_placed(robot)
+        self.is_sent_by_action(robot, "cyclonedds")
         place = (4.6, 1.2)
         for trouble, cause in ((("silence", "scan", 3), "laser_lost"),
                                (("silence", "odom", 3), "odometry_lost"),
@@ -285,7 +333,7 @@ class RobotProgramTest(unittest.TestCase):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    for name in ("agent", "robot", "pace"):
+    for name in ("agent", "client", "robot", "pace"):
         parser.add_argument("--" + name, required=True)
     PROGRAMS, rest = parser.parse_known_args()
     unittest.main(argv=sys.argv[:1] + rest)

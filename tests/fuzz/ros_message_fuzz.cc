@@ -9,6 +9,7 @@
 #include "common/ros2/conversions/camera_values.h"
 #include "common/ros2/conversions/frame_tree.h"
 #include "common/ros2/conversions/geometry_values.h"
+#include "common/ros2/messages/action_messages.h"
 #include "common/ros2/messages/message_codec.h"
 #include "common/ros2/messages/nav_messages.h"
 #include "common/ros2/messages/sensor_messages.h"
@@ -79,7 +80,7 @@ void TryOdometry(const messages::Odometry& odometry) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   const std::span<const uint8_t> bytes(data + 1, size - 1);
-  switch (data[0] % 10) {
+  switch (data[0] % 12) {
     case 0:
       Try<messages::LaserScan>(bytes, [](const messages::LaserScan& scan) {
         (void)agent_values::SensorInfoOf(scan);
@@ -132,8 +133,18 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       Try<messages::DiagnosticArray>(bytes,
                                      [](const messages::DiagnosticArray&) {});
       break;
-    default:
+    case 9:
       Try<messages::Path>(bytes, [](const messages::Path&) {});
+      break;
+    case 10:
+      Try<messages::NavigateToPoseSendGoalRequest>(
+          bytes, [](const messages::NavigateToPoseSendGoalRequest& request) {
+            (void)conversions::RigidOf(request.goal.pose.pose);
+          });
+      break;
+    default:
+      Try<messages::CancelGoalRequest>(
+          bytes, [](const messages::CancelGoalRequest&) {});
       break;
   }
   return 0;

@@ -6,6 +6,7 @@
 #include "common/base/status_macros.h"
 #include "common/ros2/cdr/cdr_reader.h"
 #include "common/ros2/cdr/cdr_writer.h"
+#include "common/ros2/messages/action_messages.h"
 #include "common/ros2/messages/common_messages.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/nav_messages.h"
@@ -201,6 +202,27 @@ template std::vector<uint8_t> Encode(const OccupancyGrid&);
 template absl::StatusOr<OccupancyGrid> Decode(std::span<const uint8_t>);
 template std::vector<uint8_t> Encode(const Path&);
 template absl::StatusOr<Path> Decode(std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const GoalStatusArray&);
+template absl::StatusOr<GoalStatusArray> Decode(std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const CancelGoalRequest&);
+template absl::StatusOr<CancelGoalRequest> Decode(std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const CancelGoalResponse&);
+template absl::StatusOr<CancelGoalResponse> Decode(std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const NavigateToPoseSendGoalRequest&);
+template absl::StatusOr<NavigateToPoseSendGoalRequest> Decode(
+    std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const NavigateToPoseSendGoalResponse&);
+template absl::StatusOr<NavigateToPoseSendGoalResponse> Decode(
+    std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const NavigateToPoseGetResultRequest&);
+template absl::StatusOr<NavigateToPoseGetResultRequest> Decode(
+    std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const NavigateToPoseGetResultResponse&);
+template absl::StatusOr<NavigateToPoseGetResultResponse> Decode(
+    std::span<const uint8_t>);
+template std::vector<uint8_t> Encode(const NavigateToPoseFeedbackMessage&);
+template absl::StatusOr<NavigateToPoseFeedbackMessage> Decode(
+    std::span<const uint8_t>);
 template absl::StatusOr<PoseStamped> DecodeRos1(std::span<const uint8_t>);
 template absl::StatusOr<PoseWithCovarianceStamped> DecodeRos1(
     std::span<const uint8_t>);

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "common/ros2/messages/action_messages.h"
 #include "common/ros2/messages/common_messages.h"
 #include "common/ros2/messages/geometry_messages.h"
 #include "common/ros2/messages/nav_messages.h"
@@ -77,6 +78,98 @@ TEST(MessageCodecTest, BatteryState) {
               "00 00 00 00"           // cell_temperature
               "04 00 00 00 'aft' 00"  // location
               "01 00 00 00 00");      // serial_number
+}
+
+// An id of a goal: 16 bytes, and no padding before or after.
+constexpr Uuid kGoalId = {
+    {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16}};
+constexpr char kGoalIdBytes[] =
+    "01 02 03 04 05 06 07 08 09 0a 0b 0c 0d 0e 0f 10";
+
+TEST(MessageCodecTest, GoalsOfActionsAndTheirAnswers) {
+  ExpectBytes(
+      NavigateToPoseSendGoalRequest{
+          .goal_id = kGoalId,
+          .goal = {.pose = {.header = {.stamp = {.sec = 258, .nanosec = 3},
+                                       .frame_id = "map"},
+                            .pose = {.position = {1, 2, -0.5},
+                                     .orientation = {0, 0, 0, 1}}},
+                   .behavior_tree = ""}},
+      std::string("00 01 00 00") + kGoalIdBytes +
+          "02 01 00 00 03 00 00 00"  // stamp; 24 so far
+          "04 00 00 00 'map' 00"     // frame_id; 32: aligned to 8
+          "00 00 00 00 00 00 f0 3f"  // position
+          "00 00 00 00 00 00 00 40"
+          "00 00 00 00 00 00 e0 bf"
+          "00 00 00 00 00 00 00 00"  // orientation
+          "00 00 00 00 00 00 00 00"
+          "00 00 00 00 00 00 00 00"
+          "00 00 00 00 00 00 f0 3f"
+          "01 00 00 00 00");  // behavior_tree
+  ExpectBytes(
+      NavigateToPoseSendGoalResponse{.accepted = true,
+                                     .stamp = {.sec = 258, .nanosec = 3}},
+      "00 01 00 00"
+      "01 00 00 00"  // accepted, padding to 4
+      "02 01 00 00 03 00 00 00");
+  ExpectBytes(NavigateToPoseGetResultRequest{.goal_id = kGoalId},
+              std::string("00 01 00 00") + kGoalIdBytes);
+}
+
+// Humble reads the first two bytes, Iron four, Jazzy all.
+TEST(MessageCodecTest, ResultsBeginAsOlderDistributionsReadThem) {
+  ExpectBytes(
+      NavigateToPoseGetResultResponse{
+          .status = GoalStatus::kAborted,
+          .result = {.error_code = 208, .error_msg = "no way"}},
+      "00 01 00 00"
+      "06"     // status
+      "00"     // Humble: std_msgs/Empty; later: padding to 2
+      "d0 00"  // error_code
+      "07 00 00 00 'no way' 00");
+}
+
+TEST(MessageCodecTest, FeedbackAndStatesOfGoals) {
+  ExpectBytes(
+      NavigateToPoseFeedbackMessage{
+          .goal_id = kGoalId,
+          .feedback = {.current_pose = {.header = {.stamp = {1, 2},
+                                                   .frame_id = "map"},
+                                        .pose = {}},
+                       .navigation_time = {.sec = 3, .nanosec = 4},
+                       .estimated_time_remaining = {.sec = 5, .nanosec = 6},
+                       .number_of_recoveries = 7,
+                       .distance_remaining = 2}},
+      std::string("00 01 00 00") + kGoalIdBytes +
+          "01 00 00 00 02 00 00 00"
+          "04 00 00 00 'map' 00"
+          "00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 "
+          "00 00"                                             // position
+          "00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 "  // orientation
+          "00 00 00 00 00 00 00 00 00 00 00 00 00 00 f0 3f"
+          "03 00 00 00 04 00 00 00"  // navigation_time
+          "05 00 00 00 06 00 00 00"  // estimated_time_remaining
+          "07 00"                    // number_of_recoveries
+          "00 00"                    // padding to 4
+          "00 00 00 40");            // distance_remaining
+  const GoalInfo info = {.goal_id = kGoalId,
+                         .stamp = {.sec = 258, .nanosec = 3}};
+  ExpectBytes(
+      GoalStatusArray{
+          .status_list = {{.goal_info = info, .status = GoalStatus::kExecuting},
+                          {.goal_info = info,
+                           .status = GoalStatus::kCanceled}}},
+      std::string("00 01 00 00 02 00 00 00") + kGoalIdBytes +
+          "02 01 00 00 03 00 00 00 02" + kGoalIdBytes +
+          "00 00 00"  // padding to 4: ids have no alignment, stamps have
+          "02 01 00 00 03 00 00 00 05");
+  ExpectBytes(
+      CancelGoalRequest{.goal_info = info},
+      std::string("00 01 00 00") + kGoalIdBytes + "02 01 00 00 03 00 00 00");
+  ExpectBytes(CancelGoalResponse{.return_code = CancelGoalResponse::kRejected,
+                                 .goals_canceling = {info}},
+              std::string("00 01 00 00 01 00 00 00 01 00 00 00") +
+                  kGoalIdBytes + "02 01 00 00 03 00 00 00");
 }
 
 TEST(MessageCodecTest, LaserScan) {

@@ -15,7 +15,7 @@
 #include "common/yaml/yaml_node.h"
 #include "nav_agent/app/calibrate/calibration_picture.h"
 #include "nav_agent/app/calibrate/camera_views.h"
-#include "nav_agent/app/hardware/robot_hardware.h"
+#include "nav_agent/app/ros/any_robot_file.h"
 #include "nav_agent/calibration/calibration_text.h"
 #include "nav_agent/calibration/robot_file_edit.h"
 #include "nav_agent/calibration/wheel_path.h"
@@ -29,6 +29,7 @@ using calibration::Calibration;
 using calibration::Drive;
 using calibration::FileEntry;
 using calibration::Setup;
+using ros_app::RobotFileKind;
 
 absl::StatusOr<Drive> ReadDrive(const std::string& log,
                                 ros_log::BagLogOptions bag,
@@ -53,8 +54,6 @@ absl::StatusOr<Drive> ReadDrive(const std::string& log,
   return drive;
 }
 
-bool IsHardwareFile(const yaml::YamlNode& file) { return file.Has("base"); }
-
 Setup SetupOf(const core::RobotModel& robot,
               const core::SensorCorrection& correction) {
   Setup setup = calibration::AssumedSetup(robot);
@@ -71,6 +70,8 @@ void AddRear(std::vector<FileEntry> rear, std::vector<FileEntry>& entries) {
         absl::StartsWith(entry.key, "laser_") && entry.key != "laser_delay_s";
     if (entry.section == "laser") {
       entry.section = "rear_laser";
+    } else if (entry.key == "base_from_laser") {
+      entry.key = "base_from_rear_laser";
     } else if (entry.section.empty() && is_flat) {
       entry.key = "rear_" + entry.key;
     } else {
@@ -99,47 +100,95 @@ absl::StatusOr<calibration::CameraCalibration> CalibrateCameraOf(
                                       assumed);
 }
 
+// model: how high lasers are; of a robot of ROS 2, the track, too, that its
+// recording was made with.
+std::vector<FileEntry> LaserEntries(const Calibration& calibration,
+                                    RobotFileKind kind,
+                                    const core::RobotModel& model,
+                                    core::LaserMount laser) {
+  const double z_m = model.BaseFrom(laser).translation.z;
+  switch (kind) {
+    case RobotFileKind::kHardware:
+      return calibration::HardwareFileEntries(calibration);
+    case RobotFileKind::kRos:
+      return calibration::RosFileEntries(calibration, model.wheel_track_m, z_m);
+    case RobotFileKind::kRobot:
+      break;
+  }
+  return calibration::RobotFileEntries(calibration, z_m);
+}
+
+std::vector<FileEntry> CameraEntries(
+    const calibration::CameraCalibration& calibration, RobotFileKind kind) {
+  switch (kind) {
+    case RobotFileKind::kHardware:
+      return calibration::CameraHardwareEntries(calibration);
+    case RobotFileKind::kRos:
+      return calibration::CameraRosEntries(calibration);
+    case RobotFileKind::kRobot:
+      break;
+  }
+  return calibration::CameraFileEntries(calibration);
+}
+
 std::vector<FileEntry> EntriesFor(const CalibrateResult& result,
-                                  bool is_hardware, double laser_z_m,
-                                  double rear_z_m) {
+                                  RobotFileKind kind,
+                                  const core::RobotModel& model) {
   std::vector<FileEntry> entries =
-      is_hardware
-          ? calibration::HardwareFileEntries(result.calibration)
-          : calibration::RobotFileEntries(result.calibration, laser_z_m);
+      LaserEntries(result.calibration, kind, model, core::LaserMount::kFront);
   if (result.rear) {
-    AddRear(is_hardware ? calibration::HardwareFileEntries(*result.rear)
-                        : calibration::RobotFileEntries(*result.rear, rear_z_m),
+    AddRear(LaserEntries(*result.rear, kind, model, core::LaserMount::kRear),
             entries);
   }
   if (result.camera) {
-    const auto camera = is_hardware
-                            ? calibration::CameraHardwareEntries(*result.camera)
-                            : calibration::CameraFileEntries(*result.camera);
+    const auto camera = CameraEntries(*result.camera, kind);
     entries.insert(entries.end(), camera.begin(), camera.end());
   }
   return entries;
 }
 
+// Where sensors are is for /tf_static to say, unless the file does, upright:
+// what it cannot be written as is told instead.
+void LeaveMountsToTf(const yaml::YamlNode& file, const core::RobotModel& model,
+                     CalibrateResult& result, std::vector<FileEntry>& entries) {
+  const auto is_upright = [](const geometry::Rigid3& mount) {
+    return (mount.rotation * geometry::Vec3{0, 0, 1}).z > 0;
+  };
+  std::erase_if(entries, [&](const FileEntry& entry) {
+    if (!absl::StartsWith(entry.key, "base_from_")) return false;
+    const bool is_camera = entry.key == "base_from_camera";
+    if (file.Has(entry.key) && (is_camera || is_upright(model.base_from_laser)))
+      return false;
+    result.notes.push_back(absl::StrCat(
+        entry.key, ": ", entry.value,
+        " was found, and not written: /tf_static tells it, or it is upside "
+        "down; change the robot's URDF"));
+    return true;
+  });
+}
+
 // Changes the file, and checks that a robot can still be read of it.
-absl::Status WriteInto(const std::string& path, CalibrateResult& result) {
+absl::Status WriteInto(const std::string& path, const Drive& drive,
+                       CalibrateResult& result) {
   TL_ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, 65536));
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode file,
                       yaml::YamlNode::Parse(text, path));
-  const bool is_hardware = IsHardwareFile(file);
-  double laser_z_m = 0;
-  double rear_z_m = 0;
-  if (!is_hardware) {
-    TL_ASSIGN_OR_RETURN(const core::RobotDescription robot,
-                        core::ParseRobot(text, path));
-    laser_z_m = robot.model.base_from_laser.translation.z;
-    rear_z_m = robot.model.base_from_rear_laser.translation.z;
+  // That a robot can be read of it, before anything is changed.
+  TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile before,
+                      ros_app::ReadAnyRobotFile(path));
+  core::RobotModel model = before.robot.model;
+  // What of the track was found is against that of the recording.
+  if (before.kind == RobotFileKind::kRos) {
+    model.wheel_track_m = drive.robot.wheel_track_m;
   }
-  const std::vector<FileEntry> entries =
-      EntriesFor(result, is_hardware, laser_z_m, rear_z_m);
+  std::vector<FileEntry> entries = EntriesFor(result, before.kind, model);
+  if (before.kind == RobotFileKind::kRos) {
+    LeaveMountsToTf(file, model, result, entries);
+  }
   result.yaml = calibration::EntriesYaml(entries, "what was changed");
   TL_ASSIGN_OR_RETURN(const std::string edited,
                       calibration::WithEntries(text, path, entries));
-  if (!is_hardware) {
+  if (before.kind == RobotFileKind::kRobot) {
     const auto robot = core::ParseRobot(edited, path);
     if (!robot.ok()) {
       return absl::FailedPreconditionError(
@@ -157,38 +206,25 @@ double HeightOr_m(double height_m, double otherwise_m) {
   return height_m > 0 ? height_m : otherwise_m;
 }
 
-// A robot's file or name, or a file of --hardware.
-absl::StatusOr<core::RobotDescription> ReadEitherFile(
-    const std::string& robot) {
-  if (absl::EndsWith(robot, ".yaml") || absl::StrContains(robot, "/")) {
-    TL_ASSIGN_OR_RETURN(const yaml::YamlNode file, yaml::YamlNode::Read(robot));
-    if (IsHardwareFile(file)) {
-      TL_ASSIGN_OR_RETURN(const hardware::HardwareConfig config,
-                          hardware::ReadHardwareConfig(robot));
-      return core::RobotDescription{.name = robot,
-                                    .model = config.robot,
-                                    .lasers = {},
-                                    .correction = config.correction};
-    }
-  }
-  return core::ReadRobot(robot);
-}
-
-absl::StatusOr<geometry::Rigid3> ReadCameraMount(const std::string& robot) {
-  TL_ASSIGN_OR_RETURN(const core::RobotDescription description,
-                      ReadEitherFile(robot));
-  return description.model.base_from_camera;
+// Of a robot of ROS 2 that does not say it, as `recorded`.
+absl::StatusOr<geometry::Rigid3> ReadCameraMount(
+    const std::string& robot, const geometry::Rigid3& recorded) {
+  TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
+                      ros_app::ReadAnyRobotFile(robot));
+  return file.kind == RobotFileKind::kRos ? recorded
+                                          : file.robot.model.base_from_camera;
 }
 
 std::string RobotYaml(const CalibrateOptions& options,
                       const CalibrateResult& result, const Drive& drive) {
   const core::RobotModel usual;
-  const auto& front = drive.robot.base_from_laser.translation;
-  const auto& rear = drive.robot.base_from_rear_laser.translation;
+  core::RobotModel model = drive.robot;
+  double& front_m = model.base_from_laser.translation.z;
+  double& rear_m = model.base_from_rear_laser.translation.z;
+  front_m = HeightOr_m(front_m, usual.base_from_laser.translation.z);
+  rear_m = HeightOr_m(rear_m, usual.base_from_rear_laser.translation.z);
   return calibration::EntriesYaml(
-      EntriesFor(result, false,
-                 HeightOr_m(front.z, usual.base_from_laser.translation.z),
-                 HeightOr_m(rear.z, usual.base_from_rear_laser.translation.z)),
+      EntriesFor(result, RobotFileKind::kRobot, model),
       absl::StrCat("treeline-agent calibrate ", options.log));
 }
 
@@ -212,7 +248,7 @@ absl::Status WriteAll(const CalibrateOptions& options, const Drive& drive,
         options, result.calibration,
         path.HasGyroscope(drive.robot.wheel_track_m), options.corrected));
   }
-  if (!options.write.empty()) return WriteInto(options.write, result);
+  if (!options.write.empty()) return WriteInto(options.write, drive, result);
   return absl::OkStatus();
 }
 
@@ -272,10 +308,19 @@ class Corrector {
 
 }  // namespace
 
-absl::StatusOr<Setup> ReadSetup(const std::string& robot) {
-  TL_ASSIGN_OR_RETURN(const core::RobotDescription description,
-                      ReadEitherFile(robot));
-  return SetupOf(description.model, description.correction);
+absl::StatusOr<Setup> ReadSetup(const std::string& robot,
+                                const core::RobotModel& recorded) {
+  TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
+                      ros_app::ReadAnyRobotFile(robot));
+  core::RobotModel model = file.robot.model;
+  // Where its sensors are the recording says.
+  if (file.kind == RobotFileKind::kRos) {
+    model.base_from_laser = recorded.base_from_laser;
+    model.wheel_track_m = recorded.wheel_track_m;
+  }
+  Setup setup = SetupOf(model, file.robot.correction);
+  setup.wheels.track_m /= file.robot.correction.turn_scale;
+  return setup;
 }
 
 absl::StatusOr<CalibrateResult> RunCalibration(const CalibrateOptions& options,
@@ -290,7 +335,7 @@ absl::StatusOr<CalibrateResult> RunCalibration(const CalibrateOptions& options,
                       ReadDrive(options.log, options.bag, result.notes));
   Setup assumed = calibration::AssumedSetup(drive.robot);
   if (!options.robot.empty()) {
-    TL_ASSIGN_OR_RETURN(assumed, ReadSetup(options.robot));
+    TL_ASSIGN_OR_RETURN(assumed, ReadSetup(options.robot, drive.robot));
   } else if (!drive.has_robot) {
     result.notes.emplace_back(
         "the log says nothing of its robot: the default robot is assumed; "
@@ -315,7 +360,7 @@ absl::StatusOr<CalibrateResult> RunCalibration(const CalibrateOptions& options,
   if (options.with_camera) {
     geometry::Rigid3 camera = drive.robot.base_from_camera;
     if (!options.robot.empty()) {
-      TL_ASSIGN_OR_RETURN(camera, ReadCameraMount(options.robot));
+      TL_ASSIGN_OR_RETURN(camera, ReadCameraMount(options.robot, camera));
     }
     TL_ASSIGN_OR_RETURN(
         result.camera,

@@ -47,9 +47,11 @@ struct CalibrateResult {
 absl::StatusOr<CalibrateResult> RunCalibration(const CalibrateOptions& options,
                                                const std::stop_token& stop);
 
-// A robot's file (docs/reference/robots.md), a name of a robot, or a file of
-// --hardware, which names a `base`.
-absl::StatusOr<calibration::Setup> ReadSetup(const std::string& robot);
+// A robot's file (docs/reference/robots.md), a name of a robot, a file of
+// --hardware, which names a `base`, or one of --ros2: of that robot, the track
+// and where sensors are is as `recorded` has it.
+absl::StatusOr<calibration::Setup> ReadSetup(
+    const std::string& robot, const core::RobotModel& recorded = {});
 
 // The log with all that is known put into effect, as an agent log at `to`:
 // wheels, track, mount, stamps of scans. ALREADY_EXISTS.

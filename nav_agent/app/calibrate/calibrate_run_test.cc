@@ -14,6 +14,7 @@ namespace treeline::calibrate_app {
 namespace {
 
 using calibration::Quantity;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -108,6 +109,33 @@ TEST_F(CalibrateRun, WritesHardwareFiles) {
               found->calibration.Of(Quantity::kLeftScale).value, 6e-5);
   EXPECT_NEAR(setup->base_from_laser.yaw_rad,
               found->calibration.Of(Quantity::kLaserYaw).value, 6e-5);
+  EXPECT_NEAR(setup->laser_delay_s,
+              found->calibration.Of(Quantity::kLaserDelay).value, 6e-5);
+}
+
+// Turns of its odometry do not follow from the track: what is found of that is
+// a scale, and the file then says the same as the log and the drive.
+TEST_F(CalibrateRun, WritesFilesOfRos) {
+  const std::string ros = folder_.Path("ros.yaml");
+  ASSERT_TRUE(base::WriteFileAtomically(ros,
+                                        "domain_id: 7\n"
+                                        "wheel_track_m: 0.5  # by tape\n")
+                  .ok());
+  const auto found = RunCalibration({.log = log_, .write = ros}, {});
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_THAT(*base::ReadFile(ros),
+              StartsWith("domain_id: 7\nwheel_track_m: 0.5  # by tape\n"));
+  // /tf_static says where its laser is.
+  EXPECT_THAT(*base::ReadFile(ros), Not(HasSubstr("base_from_laser")));
+  EXPECT_THAT(found->notes, Contains(HasSubstr("base_from_laser: [")));
+  core::RobotModel recorded;
+  recorded.wheel_track_m = found->calibration.assumed.wheels.track_m;
+  const auto setup = ReadSetup(ros, recorded);
+  ASSERT_TRUE(setup.ok()) << setup.status();
+  EXPECT_NEAR(setup->wheels.track_m,
+              found->calibration.Of(Quantity::kTrack).value, 2e-4);
+  EXPECT_NEAR(setup->wheels.right_scale,
+              found->calibration.Of(Quantity::kRightScale).value, 6e-5);
   EXPECT_NEAR(setup->laser_delay_s,
               found->calibration.Of(Quantity::kLaserDelay).value, 6e-5);
 }

@@ -44,6 +44,7 @@ struct HardwareFile {
   double left_wheel_scale = 1;
   double right_wheel_scale = 1;
   double laser_delay_s = 0;
+  double camera_delay_s = 0;
 };
 
 const config::ConfigTable<HardwareFile>& HardwareTable() {
@@ -95,6 +96,8 @@ const config::ConfigTable<HardwareFile>& HardwareTable() {
         "... and the right one", 0.5, 2);
     add(&HardwareFile::laser_delay_s, "laser_delay_s",
         "Scans are stamped later than wheel readings by this", -0.5, 0.5);
+    add(&HardwareFile::camera_delay_s, "camera_delay_s",
+        "... and pictures of the camera", -0.5, 0.5);
     return made;
   }();
   return *table;
@@ -141,7 +144,8 @@ absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path) {
                         .robot = {},
                         .correction = {.left_scale = file.left_wheel_scale,
                                        .right_scale = file.right_wheel_scale,
-                                       .laser_delay_s = file.laser_delay_s}};
+                                       .laser_delay_s = file.laser_delay_s,
+                                       .camera_delay_s = file.camera_delay_s}};
   config.robot.front_m = file.front_m;
   config.robot.rear_m = file.rear_m;
   config.robot.half_width_m = file.half_width_m;

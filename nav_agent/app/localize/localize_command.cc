@@ -21,10 +21,12 @@
 #include "common/geometry/planar_pose.h"
 #include "common/image/decode.h"
 #include "nav_agent/app/localize/localization_run.h"
+#include "nav_agent/app/ros/any_robot_file.h"
 #include "nav_agent/core/map_file.h"
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/octomap/octree_file.h"
+#include "nav_agent/recording/log_correction.h"
 #include "nav_agent/recording/wean_map.h"
 #include "nav_agent/ros_log/convert_log.h"
 #include "nav_agent/traversability/traversability.h"
@@ -58,6 +60,7 @@ struct LocalizeFlags {
   double resolution_m = 0.05;
   bool flat = false;
   std::string log;
+  std::string robot;
   std::vector<double> initial;
   bool initial_truth = false;
   bool global = false;
@@ -243,8 +246,14 @@ absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
 absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
   ResolveBundle(flags);
   TL_RETURN_IF_ERROR(CheckFlags(flags));
+  recording::LogCorrection correction;
+  if (!flags.robot.empty()) {
+    TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile robot,
+                        ros_app::ReadAnyRobotFile(flags.robot));
+    correction = robot.Correction();
+  }
   TL_ASSIGN_OR_RETURN(const ros_log::AsAgentLog log,
-                      ros_log::AsAgentLog::Open(flags.log, false));
+                      ros_log::AsAgentLog::Open(flags.log, false, correction));
   for (const std::string& note : log.notes()) {
     std::fprintf(stderr, "note: %s\n", note.c_str());
   }
@@ -301,6 +310,11 @@ cli::Command AddLocalizeCommand(CLI::App& app) {
   command->add_option("--log", flags->log, "Scans and odometry")
       ->type_name("FILE")
       ->required();
+  command
+      ->add_option("--robot", flags->robot,
+                   "The robot that drove, with its calibration: a file of a "
+                   "robot, of --hardware or of --ros2")
+      ->type_name("FILE");
   command
       ->add_option("--initial", flags->initial,
                    "Where the drive begins, in m and rad; within half a metre")

@@ -37,19 +37,26 @@ class RealDrive final : public Drive {
   static absl::StatusOr<std::unique_ptr<Drive>> Open(
       const LiveMappingOptions& options) {
     auto drive = std::make_unique<RealDrive>();
-    drive->robot_ = options.robot;
+    hardware::HardwareConfig config = {.laser = options.laser,
+                                       .base = options.base,
+                                       .rear_laser = {},
+                                       .camera = options.camera,
+                                       .robot = options.robot};
+    if (!options.hardware.empty()) {
+      TL_ASSIGN_OR_RETURN(config,
+                          hardware::ReadHardwareConfig(options.hardware));
+      // Maps are made of the laser ahead.
+      config.rear_laser.clear();
+    }
+    drive->robot_ = config.robot;
+    drive->correction_ = config.correction;
     if (options.seconds > 0) {
       drive->end_ = drive->clock_.Now() +
                     std::chrono::duration_cast<base::MonotonicTime::duration>(
                         std::chrono::duration<double>(options.seconds));
     }
     TL_ASSIGN_OR_RETURN(drive->hardware_,
-                        hardware::RobotHardware::Open({.laser = options.laser,
-                                                       .base = options.base,
-                                                       .rear_laser = {},
-                                                       .camera = options.camera,
-                                                       .robot = options.robot},
-                                                      drive->clock_));
+                        hardware::RobotHardware::Open(config, drive->clock_));
     return drive;
   }
 
@@ -57,7 +64,8 @@ class RealDrive final : public Drive {
     return {.laser = hardware_->laser(),
             .odometry = hardware_->base(),
             .camera = hardware_->camera(),
-            .robot = robot_};
+            .robot = robot_,
+            .correction = correction_};
   }
   bool Wait() override {
     std::this_thread::sleep_for(kPoll);
@@ -67,6 +75,7 @@ class RealDrive final : public Drive {
  private:
   base::SteadyClock clock_;
   core::RobotModel robot_;
+  core::SensorCorrection correction_;
   std::optional<base::MonotonicTime> end_;
   std::unique_ptr<hardware::RobotHardware> hardware_;
 };
@@ -97,7 +106,8 @@ class RosDrive final : public Drive {
     return {.laser = robot_->laser(),
             .odometry = robot_->odometry(),
             .camera = robot_->camera(),
-            .robot = robot_->model()};
+            .robot = robot_->model(),
+            .correction = robot_->config().correction};
   }
   bool Wait() override {
     std::this_thread::sleep_for(kPoll);
@@ -183,15 +193,18 @@ absl::StatusOr<std::unique_ptr<Drive>> OpenDrive(
 
 absl::Status LiveMappingOptions::Validate() const {
   const bool has_devices = !(laser.empty() && base.empty());
-  if (simulate.empty() && ros2.empty() && (laser.empty() || base.empty())) {
+  if (simulate.empty() && ros2.empty() && hardware.empty() &&
+      (laser.empty() || base.empty())) {
     return absl::InvalidArgumentError(
         "who drives? Give --simulate WORLD, a robot that speaks ROS 2: --ros2 "
-        "FILE, or the laser and the base of a robot: --laser ADDRESS --base "
-        "ADDRESS");
+        "FILE, or the devices of a robot: --hardware FILE, or --laser ADDRESS "
+        "--base ADDRESS");
   }
-  if (int{!simulate.empty()} + int{!ros2.empty()} + int{has_devices} != 1) {
+  if (int{!simulate.empty()} + int{!ros2.empty()} + int{!hardware.empty()} +
+          int{has_devices} !=
+      1) {
     return absl::InvalidArgumentError(
-        "give one of --simulate, --ros2, and --laser with --base");
+        "give one of --simulate, --ros2, --hardware, and --laser with --base");
   }
   if (camera != "none" && camera != "openni" &&
       !(camera == "simulated" && !simulate.empty())) {

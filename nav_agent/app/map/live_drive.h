@@ -24,6 +24,8 @@ struct LiveMappingOptions {
   std::string laser;
   std::string base;
   std::string camera = "none";
+  // Or a file that names them (ReadHardwareConfig).
+  std::string hardware;
   // Or a robot that speaks ROS 2 (ReadRosRobotConfig); its camera is that of
   // this file.
   std::string ros2;

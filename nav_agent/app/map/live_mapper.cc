@@ -11,6 +11,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "nav_agent/core/corrected_devices.h"
 
 namespace treeline::map_app {
 namespace {
@@ -67,6 +68,7 @@ absl::Status LiveMapper::TakeScans() {
                                        info, sensors_.robot, options_.drive));
     }
     TL_RETURN_IF_ERROR(log_->Write(scan));
+    scan.stamp -= core::DelayOf(sensors_.correction.laser_delay_s);
     // What is refused is counted, and named when the log is mapped.
     mapper_->Add(std::move(scan)).IgnoreError();
   }
@@ -96,8 +98,9 @@ absl::Status LiveMapper::TakeFrames() {
 }
 
 absl::Status LiveMapper::Poll() {
-  for (const core::BaseReading& reading : sensors_.odometry.TakeReadings()) {
+  for (core::BaseReading& reading : sensors_.odometry.TakeReadings()) {
     TL_RETURN_IF_ERROR(log_->Write(reading));
+    core::Correct(sensors_.correction, reading);
     if (mapper_ != nullptr) mapper_->Add(reading).IgnoreError();
   }
   TL_RETURN_IF_ERROR(TakeScans());

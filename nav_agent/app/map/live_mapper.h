@@ -13,6 +13,7 @@
 #include "common/base/clock.h"
 #include "common/image/image.h"
 #include "nav_agent/core/devices.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/mapping/online_mapper.h"
 #include "nav_agent/recording/agent_log.h"
@@ -25,6 +26,8 @@ struct LiveSensors {
   core::Odometry& odometry;
   core::RgbdCamera* camera = nullptr;
   core::RobotModel robot;
+  // Of what is followed; what is recorded is as it comes.
+  core::SensorCorrection correction = {};
 };
 
 struct LiveMapOptions {

@@ -17,6 +17,8 @@
 #include "nav_agent/app/map/live_drive.h"
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
+#include "nav_agent/app/ros/any_robot_file.h"
+#include "nav_agent/recording/log_correction.h"
 #include "nav_agent/ros_log/convert_log.h"
 
 namespace treeline::map_app {
@@ -62,6 +64,8 @@ struct MapFlags {
   MapOptions map;
   double max_slope_deg = map.traversability.max_slope_rad * kDegPerRad;
   std::string odometry_noise = "auto";
+  std::string robot;
+  recording::LogCorrection correction;
   bool no_loops = false;
   bool quiet = false;
 };
@@ -149,8 +153,9 @@ absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   options.drive.slam.synchronous = true;
   options.drive.slam.loops.enabled = !flags.no_loops;
   options.stop = stop;
-  TL_ASSIGN_OR_RETURN(const ros_log::AsAgentLog log,
-                      ros_log::AsAgentLog::Open(flags.log, true));
+  TL_ASSIGN_OR_RETURN(
+      const ros_log::AsAgentLog log,
+      ros_log::AsAgentLog::Open(flags.log, true, flags.correction));
   for (const std::string& note : log.notes()) {
     std::fprintf(stderr, "note: %s\n", note.c_str());
   }
@@ -252,6 +257,14 @@ absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(RecordLiveDrive(flags.live, stop));
   std::fprintf(stderr, "Recorded in %s\n", live.log_path.c_str());
   flags.log = live.log_path;
+  const std::string& robot =
+      flags.live.ros2.empty() ? flags.live.hardware : flags.live.ros2;
+  if (!robot.empty()) {
+    // The recording tells of the robot itself.
+    TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
+                        ros_app::ReadAnyRobotFile(robot));
+    flags.correction.sensors = file.robot.correction;
+  }
   // The stop that ended the drive is not meant for the map.
   return RunLog(flags, {});
 }
@@ -266,7 +279,17 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
         "--live");
   }
   flags.map.traversability.max_slope_rad = flags.max_slope_deg / kDegPerRad;
+  if (!flags.robot.empty() && flags.log.empty()) {
+    return absl::InvalidArgumentError(
+        "--robot is for --log; with --live, --hardware or --ros2 names the "
+        "robot's file");
+  }
   if (flags.is_live) return RunLive(flags, stop);
+  if (!flags.robot.empty()) {
+    TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
+                        ros_app::ReadAnyRobotFile(flags.robot));
+    flags.correction = file.Correction();
+  }
   return flags.log.empty() ? RunRgbd(flags, stop) : RunLog(flags, stop);
 }
 
@@ -316,6 +339,16 @@ cli::Command AddMapCommand(CLI::App& app) {
       ->add_option("--ros2", flags->live.ros2,
                    "--live: a robot that speaks ROS 2: its topics, frames and "
                    "measures (docs/reference/ros2-robot.md)")
+      ->type_name("FILE");
+  command
+      ->add_option("--hardware", flags->live.hardware,
+                   "--live: the devices and measures of a robot, instead of "
+                   "--laser, --base and --camera")
+      ->type_name("FILE");
+  command
+      ->add_option("--robot", flags->robot,
+                   "--log: the robot that drove, with its calibration: a "
+                   "file of a robot, of --hardware or of --ros2")
       ->type_name("FILE");
   command
       ->add_option("--camera", flags->live.camera,

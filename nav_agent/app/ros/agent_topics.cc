@@ -47,6 +47,7 @@ absl::StatusOr<std::unique_ptr<AgentTopics>> AgentTopics::Start(
                       dds::Node::Create(robot.domain(), robot.config().node));
   TL_RETURN_IF_ERROR(topics->Advertise());
   TL_RETURN_IF_ERROR(topics->Subscribe());
+  TL_RETURN_IF_ERROR(topics->ServeActions());
   topics->thread_ = std::jthread(
       [made = topics.get()](const std::stop_token& stop) { made->Run(stop); });
   return topics;
@@ -83,8 +84,9 @@ absl::Status AgentTopics::Subscribe() {
   inputs_ = std::make_unique<topic_inputs::TopicInputs>(*node_);
   if (!config.goal.empty()) {
     TL_RETURN_IF_ERROR(inputs_->Subscribe<messages::PoseStamped>(
-        config.goal, {},
-        [this](const messages::PoseStamped& goal) { return TakeGoal(goal); }));
+        config.goal, {}, [this](const messages::PoseStamped& goal) {
+          return SetGoal(goal).status();
+        }));
   }
   if (!config.initial_pose.empty()) {
     TL_RETURN_IF_ERROR(inputs_->Subscribe<messages::PoseWithCovarianceStamped>(
@@ -99,6 +101,33 @@ absl::Status AgentTopics::Subscribe() {
   return inputs_->Subscribe<messages::Empty>(
       "~/find_yourself", {},
       [this](const messages::Empty&) { return commands_.FindYourself(); });
+}
+
+absl::Status AgentTopics::ServeActions() {
+  const std::string& action = robot_.config().navigate_to_pose;
+  if (action.empty()) return absl::OkStatus();
+  if (robot_.config().rmw == Rmw::kFastDds) {
+    TL_ASSIGN_OR_RETURN(fast_services_,
+                        fast_dds::FastServices::Join(robot_.config().domain,
+                                                     robot_.config().node));
+  }
+  TL_ASSIGN_OR_RETURN(
+      navigate_,
+      navigate_action::NavigateServer::Open(
+          *node_,
+          [this](const std::string& service, const std::string& type) {
+            return fast_services_ == nullptr
+                       ? node_->Serve(service, type)
+                       : fast_services_->Serve(service, type);
+          },
+          action,
+          {.set_goal =
+               [this](const messages::PoseStamped& goal) {
+                 return SetGoal(goal);
+               },
+           .cancel = [this](uint64_t goal) { return commands_.Cancel(goal); }},
+          warn_));
+  return absl::OkStatus();
 }
 
 absl::StatusOr<agent_service::RequestedPose> AgentTopics::RequestedOf(
@@ -120,10 +149,11 @@ absl::StatusOr<agent_service::RequestedPose> AgentTopics::RequestedOf(
       .level = commands_.NearestLevel(map_from_base).place.level};
 }
 
-absl::Status AgentTopics::TakeGoal(const messages::PoseStamped& goal) {
+absl::StatusOr<uint64_t> AgentTopics::SetGoal(
+    const messages::PoseStamped& goal) {
   TL_ASSIGN_OR_RETURN(const agent_service::RequestedPose pose,
                       RequestedOf(goal.header, goal.pose));
-  return commands_.SetGoal({pose}).status();
+  return commands_.SetGoal({pose});
 }
 
 absl::Status AgentTopics::TakePlace(
@@ -145,21 +175,31 @@ void AgentTopics::Run(const std::stop_token& stop) {
          inputs_->Deliver(kStep)) {
       warn_(absl::StrCat(fault.topic, ": ", fault.why.message()));
     }
+    if (navigate_ != nullptr) navigate_->Answer(Now());
     const std::shared_ptr<const agent_service::AgentState> state =
         commands_.hub().Latest();
     if (state == nullptr || state->number == last) continue;
     last = state->number;
-    const absl::Status status = Publish(*state);
+    absl::Status status = Publish(*state);
+    if (navigate_ != nullptr) {
+      status.Update(navigate_->Tell(*state, Now(), robot_.config().map_frame));
+    }
     if (!status.ok() && status.message() != last_error) {
       last_error = std::string(status.message());
       warn_(last_error);
     }
   }
+  if (navigate_ != nullptr) navigate_->Close(Now());
 }
 
 messages::Header AgentTopics::InMap(base::MonotonicTime stamp) const {
   return {.stamp = robot_.time().StampOf(stamp),
           .frame_id = robot_.config().map_frame};
+}
+
+navigate_action::Moment AgentTopics::Now() const {
+  const base::MonotonicTime now = robot_.time().Now();
+  return {.now = now, .stamp = robot_.time().StampOf(now)};
 }
 
 absl::Status AgentTopics::Publish(const agent_service::AgentState& state) {

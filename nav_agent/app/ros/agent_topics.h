@@ -13,13 +13,15 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/app/ros/ros_robot.h"
+#include "nav_agent/bridge/fast_dds/fast_services.h"
+#include "nav_agent/bridge/navigate_action/navigate_server.h"
 #include "nav_agent/service/agent_commands.h"
 
 namespace treeline::ros_app {
 
 // Publishes map, plan, place, map_frame to odom and diagnostics; takes goals,
-// initial poses, ~/cancel and ~/find_yourself. In a thread of its own, which
-// ends with it.
+// initial poses, ~/cancel and ~/find_yourself; serves NavigateToPose. In a
+// thread of its own, which ends with it.
 class AgentTopics {
  public:
   // All must outlive it, and hub and commands be stepped. Errors: of DDS.
@@ -34,7 +36,8 @@ class AgentTopics {
       : robot_(robot), commands_(commands), warn_(std::move(warn)) {}
   absl::Status Advertise();
   absl::Status Subscribe();
-  absl::Status TakeGoal(const messages::PoseStamped& goal);
+  absl::Status ServeActions();
+  absl::StatusOr<uint64_t> SetGoal(const messages::PoseStamped& goal);
   absl::Status TakePlace(const messages::PoseWithCovarianceStamped& place);
   // In the map, on the ground that is nearest in height. INVALID_ARGUMENT.
   absl::StatusOr<agent_service::RequestedPose> RequestedOf(
@@ -45,6 +48,7 @@ class AgentTopics {
   absl::Status PublishMap(int level);
   absl::Status PublishReport(const agent_service::AgentState& state);
   messages::Header InMap(base::MonotonicTime stamp) const;
+  navigate_action::Moment Now() const;
 
   RosRobot& robot_;
   agent_service::AgentCommands& commands_;
@@ -56,6 +60,10 @@ class AgentTopics {
   std::unique_ptr<dds::Publisher> frames_;
   std::unique_ptr<dds::Publisher> diagnostics_;
   std::unique_ptr<topic_inputs::TopicInputs> inputs_;
+  // Null: services are those of node_.
+  std::unique_ptr<fast_dds::FastServices> fast_services_;
+  // Null: none is to be served.
+  std::unique_ptr<navigate_action::NavigateServer> navigate_;
   // ---- what was published last ----
   std::optional<int> level_;
   std::vector<core::LevelPose> path_;

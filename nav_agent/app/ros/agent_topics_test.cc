@@ -10,6 +10,7 @@
 
 #include "common/ros2/conversions/geometry_values.h"
 #include "common/ros2/messages/message_codec.h"
+#include "nav_agent/bridge/dds/testing_client.h"
 #include "nav_agent/bridge/dds/testing_domain.h"
 #include "nav_agent/service/testing_navigator.h"
 
@@ -222,6 +223,62 @@ TEST_F(AgentTopicsTest, GoalsAndPlacesComeInAndWhatHappensGoesOut) {
                     .ok());
     return is_told;
   }));
+}
+
+class ActionTest : public AgentTopicsTest {
+ protected:
+  ActionTest() { config_.rmw = Rmw::kCyclone; }
+};
+
+TEST_F(ActionTest, GoalsAreSentAsActions) {
+  SendMount({.rotation = {}, .translation = {0.2, 0, 0.2}});
+  ASSERT_TRUE(Know().ok());
+  agent_service::SteppingAgent agent(/*is_simulated=*/false);
+  const auto topics = AgentTopics::Start(
+      *robot_, agent.commands, [this](const std::string& line) { Warn(line); });
+  ASSERT_TRUE(topics.ok()) << topics.status();
+  dds::TestingClient send_goal(robot_->domain(),
+                               "/navigate_to_pose/_action/send_goal",
+                               "nav2_msgs/action/NavigateToPose_SendGoal");
+  dds::TestingClient get_result(robot_->domain(),
+                                "/navigate_to_pose/_action/get_result",
+                                "nav2_msgs/action/NavigateToPose_GetResult");
+  ASSERT_TRUE(
+      Until([&] { return send_goal.IsMatched() && get_result.IsMatched(); }));
+  const auto send = [&](uint8_t id, const std::string& frame, double x) {
+    messages::NavigateToPoseSendGoalRequest request;
+    request.goal_id.uuid[0] = id;
+    request.goal.pose.header.frame_id = frame;
+    request.goal.pose.pose.position = {x, 0.5, 0};
+    const int64_t asked = send_goal.Ask(messages::Encode(request));
+    std::optional<std::vector<uint8_t>> reply;
+    EXPECT_TRUE(
+        Until([&] { return (reply = send_goal.ReplyTo(asked)).has_value(); }));
+    if (!reply.has_value()) return false;
+    return messages::Decode<messages::NavigateToPoseSendGoalResponse>(*reply)
+        ->accepted;
+  };
+  EXPECT_FALSE(send(1, "odom", 0.5));
+  EXPECT_FALSE(send(2, "map", std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_FALSE(send(3, "map", 1e9));
+  EXPECT_TRUE(Until([this] {
+    return warnings().find("rejected: a pose in the frame odom") !=
+               std::string::npos &&
+           warnings().find("NaN") != std::string::npos;
+  })) << warnings();
+  EXPECT_TRUE(send(4, "map", 0.5));
+  messages::NavigateToPoseGetResultRequest wanted;
+  wanted.goal_id.uuid[0] = 4;
+  const int64_t asked = get_result.Ask(messages::Encode(wanted));
+  std::optional<std::vector<uint8_t>> reply;
+  ASSERT_TRUE(
+      Until([&] { return (reply = get_result.ReplyTo(asked)).has_value(); }));
+  EXPECT_EQ(messages::Decode<messages::NavigateToPoseGetResultResponse>(*reply)
+                ->status,
+            messages::GoalStatus::kSucceeded);
+  // Stopped, it takes none.
+  ASSERT_TRUE(agent.commands.Stop("for a test").ok());
+  EXPECT_FALSE(send(5, "map", 0.5));
 }
 
 }  // namespace

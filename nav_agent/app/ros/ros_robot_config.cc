@@ -19,6 +19,7 @@ using bridge_app::BridgeConfig;
 struct RobotFile {
   int domain_id = -1;
   std::string interface;
+  std::string rmw;
   std::string name_space;
   std::string node_name = "treeline";
   std::vector<std::string> remap;
@@ -39,6 +40,7 @@ struct RobotFile {
   std::string plan = RosRobotConfig().plan;
   std::string pose = RosRobotConfig().pose;
   std::string goal = RosRobotConfig().goal;
+  std::string navigate_to_pose = RosRobotConfig().navigate_to_pose;
   std::string initial_pose = RosRobotConfig().initial_pose;
   bool publish_tf = true;
   double tf_tolerance_s = RosRobotConfig().tf_tolerance_s;
@@ -60,6 +62,11 @@ struct RobotFile {
   double max_deceleration_mps2 = core::RobotModel().max_deceleration_mps2;
   double max_yaw_acceleration_radps2 =
       core::RobotModel().max_yaw_acceleration_radps2;
+  double left_wheel_scale = 1;
+  double right_wheel_scale = 1;
+  double turn_scale = 1;
+  double laser_delay_s = 0;
+  double camera_delay_s = 0;
 };
 
 using Table = config::ConfigTable<RobotFile>;
@@ -69,6 +76,8 @@ void AddNetwork(Table& table) {
             {.name = "domain_id", .help = "DDS domain", .min = -1, .max = 232});
   table.Add(&RobotFile::interface,
             {.name = "interface", .help = "Network interface to use alone"});
+  table.Add(&RobotFile::rmw,
+            {.name = "rmw", .help = "The robot's RMW_IMPLEMENTATION"});
   table.Add(&RobotFile::name_space,
             {.name = "namespace", .help = "Of all relative topics"});
   table.Add(&RobotFile::node_name,
@@ -96,6 +105,8 @@ void AddTopics(Table& table) {
   add(&RobotFile::plan, "plan", "Path, out");
   add(&RobotFile::pose, "pose", "PoseWithCovarianceStamped, out");
   add(&RobotFile::goal, "goal", "PoseStamped, in");
+  add(&RobotFile::navigate_to_pose, "navigate_to_pose",
+      "The action NavigateToPose");
   add(&RobotFile::initial_pose, "initial_pose",
       "PoseWithCovarianceStamped, in");
   add(&RobotFile::map_frame, "map_frame", "Of the map");
@@ -147,6 +158,22 @@ void AddMeasures(Table& table) {
       "... and turns faster", 0.1, 50);
 }
 
+void AddCorrection(Table& table) {
+  const auto add = [&table](double RobotFile::*field, const char* name,
+                            const char* help, double min, double max) {
+    table.Add(field, {.name = name, .help = help, .min = min, .max = max});
+  };
+  add(&RobotFile::left_wheel_scale, "left_wheel_scale",
+      "What the left wheel's way is multiplied by", 0.5, 2);
+  add(&RobotFile::right_wheel_scale, "right_wheel_scale",
+      "... and the right one's", 0.5, 2);
+  add(&RobotFile::turn_scale, "turn_scale", "... and turns after that", 0.5, 2);
+  add(&RobotFile::laser_delay_s, "laser_delay_s",
+      "Scans are stamped later than odometry by this", -0.5, 0.5);
+  add(&RobotFile::camera_delay_s, "camera_delay_s",
+      "... and pictures of the camera", -0.5, 0.5);
+}
+
 const Table& RobotTable() {
   // Immutable; made by the first who asks.
   static const auto* const table = [] {
@@ -154,6 +181,7 @@ const Table& RobotTable() {
     AddNetwork(*made);
     AddTopics(*made);
     AddMeasures(*made);
+    AddCorrection(*made);
     return made;
   }();
   return *table;
@@ -186,6 +214,20 @@ absl::Status TakeTransform(const std::vector<std::string>& numbers,
   return absl::OkStatus();
 }
 
+// environment: of RMW_IMPLEMENTATION; null: none.
+absl::StatusOr<Rmw> RmwOf(const RobotFile& file, const char* environment) {
+  std::string name = file.rmw;
+  if (name.empty() && environment != nullptr) name = environment;
+  if (name.empty() || name == "rmw_fastrtps_cpp" ||
+      name == "rmw_fastrtps_dynamic_cpp") {
+    return Rmw::kFastDds;
+  }
+  if (name == "rmw_cyclonedds_cpp") return Rmw::kCyclone;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "rmw is ", name, file.rmw.empty() ? ", by RMW_IMPLEMENTATION" : "",
+      "; rmw_fastrtps_cpp and rmw_cyclonedds_cpp are spoken"));
+}
+
 // What the relocalizer's settings say likewise.
 absl::Status TakeNetwork(const RobotFile& file, RosRobotConfig& config) {
   BridgeConfig bridge;
@@ -199,6 +241,8 @@ absl::Status TakeNetwork(const RobotFile& file, RosRobotConfig& config) {
   TL_ASSIGN_OR_RETURN(config.domain,
                       bridge.Domain(std::getenv("ROS_DOMAIN_ID")));
   TL_ASSIGN_OR_RETURN(config.node, bridge.Node());
+  TL_ASSIGN_OR_RETURN(config.rmw,
+                      RmwOf(file, std::getenv("RMW_IMPLEMENTATION")));
   config.image = file.image;
   if (!file.image.empty()) config.camera_info = bridge.CameraInfoTopic();
   return absl::OkStatus();
@@ -222,6 +266,7 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
   config.plan = file.plan;
   config.pose = file.pose;
   config.goal = file.goal;
+  config.navigate_to_pose = file.navigate_to_pose;
   config.initial_pose = file.initial_pose;
   config.publishes_tf = file.publish_tf;
   config.tf_tolerance_s = file.tf_tolerance_s;
@@ -235,6 +280,11 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
   TL_RETURN_IF_ERROR(TakeTransform(file.base_from_camera, "base_from_camera",
                                    config.base_from_camera));
   config.robot = ModelOf(file);
+  config.correction = {.left_scale = file.left_wheel_scale,
+                       .right_scale = file.right_wheel_scale,
+                       .turn_scale = file.turn_scale,
+                       .laser_delay_s = file.laser_delay_s,
+                       .camera_delay_s = file.camera_delay_s};
   TL_RETURN_IF_ERROR(config.Validate());
   return config;
 }

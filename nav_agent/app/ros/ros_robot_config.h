@@ -10,13 +10,23 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/topic_names.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/core/robot_model.h"
 
 namespace treeline::ros_app {
 
+// Whose services are spoken. ROS 2's own do not understand each other.
+enum class Rmw {
+  // rmw_fastrtps_cpp, which ROS 2 comes with.
+  kFastDds,
+  // rmw_cyclonedds_cpp.
+  kCyclone
+};
+
 struct RosRobotConfig {
   // ---- who is met, and how ----
   dds::DomainOptions domain;
+  Rmw rmw = Rmw::kFastDds;
   dds::NodeName node;
   bool use_sim_time = false;
   // ---- what the robot says; "": there is none ----
@@ -39,6 +49,7 @@ struct RosRobotConfig {
   std::string plan = "plan";
   std::string pose = "amcl_pose";
   std::string goal = "goal_pose";
+  std::string navigate_to_pose = "navigate_to_pose";
   std::string initial_pose = "initialpose";
   bool publishes_tf = true;
   // How far ahead of its moment map_frame to odom is stamped (s), so that
@@ -53,6 +64,8 @@ struct RosRobotConfig {
   std::optional<geometry::Rigid3> base_from_camera;
   // ---- its measures; where its sensors are is found out ----
   core::RobotModel robot;
+  // What it says is corrected by this before it is used.
+  core::SensorCorrection correction;
 
   absl::Status Validate() const;
 };

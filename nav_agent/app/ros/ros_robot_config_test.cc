@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -34,6 +35,20 @@ TEST(RosRobotConfigTest, WhatANewRobotNeedsIsLittle) {
   EXPECT_EQ(config->pose, "amcl_pose");
   EXPECT_EQ(config->image, "");
   EXPECT_FALSE(config->base_from_laser.has_value());
+}
+
+TEST(RosRobotConfigTest, ServicesAreThoseOfTheRobotsRmw) {
+  unsetenv("RMW_IMPLEMENTATION");
+  EXPECT_EQ(Read("domain_id: 7\n")->rmw, Rmw::kFastDds);
+  EXPECT_EQ(Read("rmw: rmw_cyclonedds_cpp\n")->rmw, Rmw::kCyclone);
+  EXPECT_THAT(ErrorOf("rmw: cyclone\n"), HasSubstr("rmw_cyclonedds_cpp"));
+  setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp", 1);
+  EXPECT_EQ(Read("domain_id: 7\n")->rmw, Rmw::kCyclone);
+  EXPECT_EQ(Read("rmw: rmw_fastrtps_cpp\n")->rmw, Rmw::kFastDds);
+  setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp", 1);
+  EXPECT_THAT(ErrorOf("domain_id: 7\n"),
+              HasSubstr("rmw_zenoh_cpp, by RMW_IMPLEMENTATION"));
+  unsetenv("RMW_IMPLEMENTATION");
 }
 
 TEST(RosRobotConfigTest, AllOfIt) {

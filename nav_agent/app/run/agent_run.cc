@@ -396,12 +396,13 @@ bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
 
 behavior::NavigatorDevices AgentProgram::WatchedDevices() {
   const behavior::NavigatorDevices raw = robot_->Devices();
-  return {.laser = sensors_->laser(),
-          .odometry = sensors_->odometry(),
-          .base = raw.base,
-          .rear_laser = raw.rear_laser,
-          .camera = camera_.get(),
-          .server = server_.get()};
+  return {
+      .laser = sensors_->laser(),
+      .odometry = sensors_->odometry(),
+      .base = raw.base,
+      .rear_laser = raw.rear_laser,
+      .camera = camera_ == nullptr ? nullptr : &sensors_->Corrected(*camera_),
+      .server = server_.get()};
 }
 
 double AgentProgram::LaserTimeout_s() {

@@ -38,6 +38,9 @@ class RosAgentRobot final : public AgentRobot {
   }
   // Whole once RosRobot::WaitUntilKnown has returned.
   const core::RobotModel& model() const override { return robot_->model(); }
+  core::SensorCorrection correction() const override {
+    return robot_->config().correction;
+  }
   // Time passes by itself. Of a simulation it is waited for: steps are taken at
   // its pace, whatever that is.
   void Advance(std::chrono::nanoseconds duration) override;

@@ -6,7 +6,7 @@ WatchedSensors::WatchedSensors(core::RangeSensor& laser,
                                core::Odometry& odometry,
                                const core::SensorCorrection& correction,
                                AgentRecorder* recorder)
-    : laser_(&laser), odometry_(&odometry) {
+    : correction_(correction), laser_(&laser), odometry_(&odometry) {
   if (recorder != nullptr) {
     recorded_laser_ = std::make_unique<RecordedLaser>(*laser_, *recorder);
     recorded_odometry_ =
@@ -23,6 +23,12 @@ WatchedSensors::WatchedSensors(core::RangeSensor& laser,
       std::make_unique<core::CorrectedOdometry>(*odometry_, correction);
   laser_ = corrected_laser_.get();
   odometry_ = corrected_odometry_.get();
+}
+
+core::RgbdCamera& WatchedSensors::Corrected(core::RgbdCamera& camera) {
+  corrected_camera_ =
+      std::make_unique<core::CorrectedCamera>(camera, correction_);
+  return *corrected_camera_;
 }
 
 }  // namespace treeline::run_app

@@ -1,4 +1,4 @@
-// Laser and wheels on their way to the navigator.
+// Laser, wheels and camera on their way to the navigator.
 #ifndef NAV_AGENT_APP_RUN_WATCHED_SENSORS_H_
 #define NAV_AGENT_APP_RUN_WATCHED_SENSORS_H_
 
@@ -23,6 +23,9 @@ class WatchedSensors {
 
   core::RangeSensor& laser() { return *laser_; }
   core::Odometry& odometry() { return *odometry_; }
+  // `camera`, which is recorded by others, as it is to be understood. It must
+  // outlive this, and is asked for once.
+  core::RgbdCamera& Corrected(core::RgbdCamera& camera);
   agent_service::BatteryTap& battery() { return *battery_; }
 
  private:
@@ -31,6 +34,8 @@ class WatchedSensors {
   std::unique_ptr<agent_service::BatteryTap> battery_;
   std::unique_ptr<core::CorrectedLaser> corrected_laser_;
   std::unique_ptr<core::CorrectedOdometry> corrected_odometry_;
+  std::unique_ptr<core::CorrectedCamera> corrected_camera_;
+  const core::SensorCorrection correction_;
   // The last of each.
   core::RangeSensor* laser_;
   core::Odometry* odometry_;

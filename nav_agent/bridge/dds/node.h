@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/bridge/dds/domain.h"
+#include "nav_agent/bridge/dds/service.h"
 #include "nav_agent/bridge/dds/topic_names.h"
 
 namespace treeline::dds {
@@ -66,7 +67,7 @@ class Subscription {
   virtual const std::string& topic() const = 0;
 };
 
-// Thread-safe. Publishers and subscriptions may not outlive it.
+// Thread-safe. Publishers, subscriptions and services may not outlive it.
 class Node {
  public:
   static absl::StatusOr<std::unique_ptr<Node>> Create(const Domain& domain,
@@ -82,8 +83,14 @@ class Node {
       const std::string& topic, const std::string& message_name,
       const Quality& quality) = 0;
 
-  // Waits until one of the subscriptions has something to take, at most so
-  // long. True: one has.
+  // A service as rmw_cyclonedds has it: clients of rmw_fastrtps are not
+  // understood, and left alone. service: a name as topics have it.
+  // service_type: "action_msgs/srv/CancelGoal".
+  virtual absl::StatusOr<std::unique_ptr<Service>> Serve(
+      const std::string& service, const std::string& service_type) = 0;
+
+  // Waits until one of the subscriptions or services has something to take, at
+  // most so long. True: one has.
   virtual bool Wait(std::chrono::nanoseconds at_most) = 0;
 };
 

@@ -73,6 +73,14 @@ std::string DdsTopicName(absl::string_view full_name) {
   return absl::StrCat("rt", full_name);
 }
 
+std::string DdsRequestTopicName(absl::string_view full_name) {
+  return absl::StrCat("rq", full_name, "Request");
+}
+
+std::string DdsReplyTopicName(absl::string_view full_name) {
+  return absl::StrCat("rr", full_name, "Reply");
+}
+
 std::string DdsTypeName(absl::string_view message_name) {
   const size_t slash = message_name.rfind('/');
   std::string modules(message_name.substr(0, slash));

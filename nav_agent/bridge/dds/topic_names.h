@@ -35,6 +35,9 @@ absl::StatusOr<std::string> FullTopicName(absl::string_view name,
 
 // "/robot1/scan" -> "rt/robot1/scan".
 std::string DdsTopicName(absl::string_view full_name);
+// "/robot1/ask" -> "rq/robot1/askRequest", "rr/robot1/askReply".
+std::string DdsRequestTopicName(absl::string_view full_name);
+std::string DdsReplyTopicName(absl::string_view full_name);
 // "sensor_msgs/msg/LaserScan" -> "sensor_msgs::msg::dds_::LaserScan_".
 std::string DdsTypeName(absl::string_view message_name);
 

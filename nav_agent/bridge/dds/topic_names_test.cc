@@ -37,6 +37,10 @@ TEST(TopicNamesTest, BadNamesAreErrors) {
 
 TEST(TopicNamesTest, DdsSeesAPrefix) {
   EXPECT_EQ(DdsTopicName("/robot1/scan"), "rt/robot1/scan");
+  EXPECT_EQ(DdsRequestTopicName("/a/_action/send_goal"),
+            "rq/a/_action/send_goalRequest");
+  EXPECT_EQ(DdsReplyTopicName("/a/_action/send_goal"),
+            "rr/a/_action/send_goalReply");
 }
 
 TEST(TopicNamesTest, DdsTypeNames) {

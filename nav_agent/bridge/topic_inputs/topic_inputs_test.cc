@@ -26,6 +26,11 @@ class FakeNode final : public dds::Node {
       const dds::Quality& /*quality*/) override {
     return std::make_unique<FakeSubscription>(topic, samples);
   }
+  absl::StatusOr<std::unique_ptr<dds::Service>> Serve(
+      const std::string& /*service*/,
+      const std::string& /*service_type*/) override {
+    return absl::UnimplementedError("not here");
+  }
   bool Wait(std::chrono::nanoseconds /*at_most*/) override {
     return !samples.empty();
   }

@@ -1,0 +1,75 @@
+#include "nav_agent/app/ros/any_robot_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/base/file.h"
+#include "common/base/testing_folder.h"
+
+namespace treeline::ros_app {
+namespace {
+
+using ::testing::HasSubstr;
+
+class AnyRobotFileTest : public ::testing::Test {
+ protected:
+  absl::StatusOr<AnyRobotFile> Read(const std::string& yaml) {
+    const std::string path = folder_.Path("robot.yaml");
+    EXPECT_TRUE(base::WriteFileAtomically(path, yaml).ok());
+    return ReadAnyRobotFile(path);
+  }
+
+  base::TestingFolder folder_;
+};
+
+TEST_F(AnyRobotFileTest, EachKindIsKnownByItsKeys) {
+  const auto robot = Read("like: jackal\nodometry: {turn_scale: 1.1}\n");
+  ASSERT_TRUE(robot.ok()) << robot.status();
+  EXPECT_EQ(robot->kind, RobotFileKind::kRobot);
+  EXPECT_EQ(robot->robot.correction.turn_scale, 1.1);
+  EXPECT_TRUE(robot->Correction().robot.has_value());
+
+  const auto hardware = Read(
+      "laser: tcp:10.0.0.1\nbase: /dev/ttyUSB0@460800\n"
+      "camera_delay_s: 0.02\nlaser_delay_s: 0.01\n");
+  ASSERT_TRUE(hardware.ok()) << hardware.status();
+  EXPECT_EQ(hardware->kind, RobotFileKind::kHardware);
+  EXPECT_EQ(hardware->robot.correction.camera_delay_s, 0.02);
+  EXPECT_EQ(hardware->robot.correction.laser_delay_s, 0.01);
+
+  const auto ros = Read(
+      "domain_id: 3\nleft_wheel_scale: 0.9\nright_wheel_scale: 0.95\n"
+      "turn_scale: 1.05\nlaser_delay_s: 0.03\ncamera_delay_s: -0.02\n"
+      "wheel_track_m: 0.4\nbase_from_laser: [0.1, 0, 0.3, 0]\n");
+  ASSERT_TRUE(ros.ok()) << ros.status();
+  EXPECT_EQ(ros->kind, RobotFileKind::kRos);
+  const core::SensorCorrection expected = {.left_scale = 0.9,
+                                           .right_scale = 0.95,
+                                           .turn_scale = 1.05,
+                                           .laser_delay_s = 0.03,
+                                           .camera_delay_s = -0.02};
+  EXPECT_EQ(ros->robot.correction, expected);
+  EXPECT_EQ(ros->robot.model.base_from_laser.translation.x, 0.1);
+  // Its recordings tell where its sensors are.
+  EXPECT_FALSE(ros->Correction().robot.has_value());
+  EXPECT_EQ(ros->Correction().sensors, expected);
+
+  const auto name = ReadAnyRobotFile("turtlebot3");
+  ASSERT_TRUE(name.ok()) << name.status();
+  EXPECT_EQ(name->kind, RobotFileKind::kRobot);
+}
+
+TEST_F(AnyRobotFileTest, ErrorsAreThoseOfTheKind) {
+  EXPECT_THAT(Read("domain_id: 3\nturn_scale: 7\n").status().message(),
+              HasSubstr("turn_scale"));
+  EXPECT_THAT(Read("wheels: 3\n").status().message(), HasSubstr("wheels"));
+  EXPECT_FALSE(Read("a: [").ok());
+  EXPECT_FALSE(Read("- 1\n").ok());
+  EXPECT_FALSE(ReadAnyRobotFile("nobody").ok());
+  EXPECT_FALSE(ReadAnyRobotFile("/nowhere/robot.yaml").ok());
+}
+
+}  // namespace
+}  // namespace treeline::ros_app
