@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "nav_agent/behavior/parameters.h"
+#include "nav_agent/behavior/seen_through.h"
 
 namespace treeline::behavior {
 namespace {
@@ -28,6 +30,16 @@ std::optional<localization::ScanFit> FitAtBelief(
     return std::nullopt;
   }
   return tracker.FitAt(belief->pose);
+}
+
+// From the frame's moment to the scan's, by the wheels.
+geometry::Rigid2 FrameFromScan(const localization::RobotTracker& tracker,
+                               const GatedFix& fix) {
+  const auto stamp = tracker.ScanStamp();
+  if (!stamp.has_value()) return {};
+  const auto then = tracker.MotionAt(*stamp);
+  if (!then.has_value()) return {};
+  return fix.motion.odom_from_base.Inverse() * then->odom_from_base;
 }
 
 }  // namespace
@@ -58,7 +70,7 @@ GatedFix FixChecker::Check(const core::RelocalizationAnswer& answer,
   const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   fix.pose.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)};
   fix.covariance = FixCovariance(answer.covariance);
-  judging_particles.ground = AskMap(at, fix);
+  judging_particles.ground = AskMap(at, tracker, fix);
   if (is_refused()) return fix;
   judging_particles.scan = AskLaser(tracker, fix);
   is_refused();
@@ -66,8 +78,12 @@ GatedFix FixChecker::Check(const core::RelocalizationAnswer& answer,
 }
 
 GroundWitness FixChecker::AskMap(const geometry::Vec3& base_in_map,
+                                 const localization::RobotTracker& tracker,
                                  GatedFix& fix) const {
   const geometry::Vec2 at = {base_in_map.x, base_in_map.y};
+  const auto off_m = [&base_in_map](const core::LevelPlace& place) {
+    return std::abs(place.height_m - base_in_map.z);
+  };
   std::optional<core::LevelPlace> ground;
   for (int level = 0; level < map_->levels(); ++level) {
     const auto place = map_->GroundOf(at, level);
@@ -75,12 +91,18 @@ GroundWitness FixChecker::AskMap(const geometry::Vec3& base_in_map,
         map_->Clearance_m(level, at) < options_.min_clearance_m) {
       continue;
     }
-    if (!ground.has_value() || std::abs(place->height_m - base_in_map.z) <
-                                   std::abs(ground->height_m - base_in_map.z)) {
-      ground = place;
-    }
+    if (!ground.has_value() || off_m(*place) < off_m(*ground)) ground = place;
   }
   GroundWitness witness = {.base_in_map = base_in_map, .ground_m = {}};
+  if (!ground.has_value() || off_m(*ground) > options_.max_height_error_m) {
+    for (int level = 0; level < map_->levels(); ++level) {
+      const auto place = GroundAmongGhosts(level, base_in_map, tracker, fix);
+      if (!place.has_value()) continue;
+      ground = place;
+      witness.is_seen_through = true;
+      break;
+    }
+  }
   if (ground.has_value()) {
     witness.ground_m = ground->height_m;
     fix.pose.place = *ground;
@@ -88,16 +110,46 @@ GroundWitness FixChecker::AskMap(const geometry::Vec3& base_in_map,
   return witness;
 }
 
-ScanWitness FixChecker::AskLaser(const localization::RobotTracker& tracker,
-                                 GatedFix& fix) const {
-  // From the frame's moment to the scan's, by the wheels.
-  geometry::Rigid2 frame_from_scan;
-  if (const auto stamp = tracker.ScanStamp(); stamp.has_value()) {
-    if (const auto then = tracker.MotionAt(*stamp); then.has_value()) {
-      frame_from_scan =
-          fix.motion.odom_from_base.Inverse() * then->odom_from_base;
+std::optional<core::LevelPlace> FixChecker::GroundAmongGhosts(
+    int level, const geometry::Vec3& base_in_map,
+    const localization::RobotTracker& tracker, const GatedFix& fix) const {
+  const core::OccupancyGrid& grid = map_->grid(level);
+  const geometry::Vec2 at = {base_in_map.x, base_in_map.y};
+  const core::CellIndex middle = grid.CellOf(at);
+  const int reach = static_cast<int>(kGhostReach_m / map_->resolution_m());
+  std::optional<core::LevelPlace> nearest;
+  double nearest_m = kGhostReach_m;
+  for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
+    for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+      if (!grid.Contains({x, y}) || !map_->IsFree(level, {x, y})) continue;
+      const geometry::Vec2 center = grid.CenterInMap({x, y});
+      const double far_m = geometry::Norm(center - at);
+      const auto place = map_->GroundOf(center, level);
+      if (far_m >= nearest_m || !place.has_value() ||
+          std::abs(place->height_m - base_in_map.z) >
+              options_.max_height_error_m) {
+        continue;
+      }
+      nearest = place;
+      nearest_m = far_m;
     }
   }
+  if (!nearest.has_value()) return std::nullopt;
+  const std::vector<geometry::Vec2> ends = tracker.ScanInBase();
+  const geometry::Vec3& laser = robot_.base_from_laser.translation;
+  const ScanFromPlace scan = {
+      .map_from_base = fix.pose.map_from_base * FrameFromScan(tracker, fix),
+      .laser_in_base = {laser.x, laser.y},
+      .ends_in_base = ends};
+  if (!IsSeenThrough(*map_, level, scan, options_.min_clearance_m, robot_)) {
+    return std::nullopt;
+  }
+  return nearest;
+}
+
+ScanWitness FixChecker::AskLaser(const localization::RobotTracker& tracker,
+                                 GatedFix& fix) const {
+  const geometry::Rigid2 frame_from_scan = FrameFromScan(tracker, fix);
   core::LevelPose begin = fix.pose;
   begin.map_from_base = fix.pose.map_from_base * frame_from_scan;
   const std::optional<localization::ScanFit> here = tracker.FitAt(begin);

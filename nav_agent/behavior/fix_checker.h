@@ -4,6 +4,7 @@
 #define NAV_AGENT_BEHAVIOR_FIX_CHECKER_H_
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "nav_agent/behavior/fix_gate.h"
@@ -33,7 +34,13 @@ class FixChecker {
 
  private:
   // Also puts the fix's pose on that ground.
-  GroundWitness AskMap(const geometry::Vec3& base_in_map, GatedFix& fix) const;
+  GroundWitness AskMap(const geometry::Vec3& base_in_map,
+                       const localization::RobotTracker& tracker,
+                       GatedFix& fix) const;
+  // The ground beside obstacles of a level that the scan sees through.
+  std::optional<core::LevelPlace> GroundAmongGhosts(
+      int level, const geometry::Vec3& base_in_map,
+      const localization::RobotTracker& tracker, const GatedFix& fix) const;
   // Also moves the fix's pose to where the scan fits best.
   ScanWitness AskLaser(const localization::RobotTracker& tracker,
                        GatedFix& fix) const;

@@ -67,6 +67,30 @@ TEST_F(FixCheckerTest, AsksTheMapForRoom) {
   EXPECT_EQ(Check(Lift(tracker_.truth, 0.8)).verdict, FixVerdict::kNotOnGround);
 }
 
+// What a trolley left on the map, beside where the robot is: no room for it,
+// and no beam ends there.
+TEST_F(FixCheckerTest, IsNotKeptFromWhereTheScanSeesThroughTheMap) {
+  traversability::TraversableMap map = TwoRooms();
+  for (int x = 26; x < 56; ++x) {
+    map.levels[0].grid.Set({x, 58}, core::Occupancy::kOccupied);
+  }
+  const FixChecker checker(
+      std::make_shared<const traversability::NavigationMap>(
+          *traversability::NavigationMap::Make(map)),
+      robot_, FixGateOptions());
+  core::RelocalizationAnswer answer;
+  answer.localized = true;
+  answer.confidence = 0.97;
+  answer.map_from_camera = Lift(tracker_.truth, 0.02) * robot_.base_from_camera;
+  const GatedFix fix = checker.Check(answer, *tracker_.Motion(), tracker_);
+  EXPECT_EQ(fix.verdict, FixVerdict::kWeak) << fix.why;
+  EXPECT_EQ(fix.pose.place.level, 0);
+  // Somewhere else the same beams would pass, but they would not fit.
+  tracker_.best_fit = 0.7;
+  EXPECT_EQ(checker.Check(answer, *tracker_.Motion(), tracker_).verdict,
+            FixVerdict::kNotOnGround);
+}
+
 TEST_F(FixCheckerTest, AsksTheInertialSensor) {
   EXPECT_EQ(Check({.rotation = geometry::Rotation3::FromAxisAngle({0.2, 0, 0}),
                    .translation = {2, 3, 0}})

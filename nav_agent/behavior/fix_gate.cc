@@ -115,6 +115,22 @@ FixJudgement JudgeByScan(const core::RelocalizationAnswer& answer,
   return judgement;
 }
 
+// Of a fix that stands in obstacles of the map that are seen through: they are
+// not there if the scan fits as well as at a sure place. Not more than weak.
+FixJudgement JudgeAmongGhosts(FixJudgement judgement,
+                              const ScanWitness& witness,
+                              const FixGateOptions& options) {
+  if (IsRefused(judgement.verdict)) return judgement;
+  const bool fits = witness.at_fix.has_value() &&
+                    witness.at_fix->judged >= options.min_judged_beams &&
+                    witness.at_fix->explained >= options.sure_explained;
+  judgement.verdict = fits ? FixVerdict::kWeak : FixVerdict::kNotOnGround;
+  absl::StrAppend(&judgement.why,
+                  "; the map has obstacles there, which the scan sees through",
+                  fits ? "" : ", but fits too badly to say so");
+  return judgement;
+}
+
 }  // namespace
 
 absl::Status FixGateOptions::Validate() const {
@@ -184,7 +200,13 @@ FixJudgement JudgeFix(const core::RelocalizationAnswer& answer,
   if (!judging_particles.scan.has_value()) {
     return {.verdict = FixVerdict::kWeak, .why = "no scan was compared"};
   }
-  return JudgeByScan(answer, *judging_particles.scan, options);
+  const FixJudgement judgement =
+      JudgeByScan(answer, *judging_particles.scan, options);
+  if (!judging_particles.ground.has_value() ||
+      !judging_particles.ground->is_seen_through) {
+    return judgement;
+  }
+  return JudgeAmongGhosts(judgement, *judging_particles.scan, options);
 }
 
 double TiltError_rad(const geometry::Rotation3& map_from_base,

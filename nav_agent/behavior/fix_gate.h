@@ -73,6 +73,9 @@ struct GroundWitness {
   // The height (m) of the ground below or above it with room for the robot, the
   // nearest of all levels; nullopt: there is none.
   std::optional<double> ground_m;
+  // There is none but for obstacles of the map that the newest scan sees
+  // through. The laser must vouch for such a fix, and it is weak.
+  bool is_seen_through = false;
 };
 
 // What the laser says of a fix.

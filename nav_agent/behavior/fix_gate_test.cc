@@ -156,29 +156,66 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Map, FixGateTable,
-    testing::Values(GateCase{"NoRoom",
-                             [](Testimony& told) {
-                               told.judging_particles.ground->ground_m.reset();
-                             },
-                             FixVerdict::kNotOnGround},
-                    GateCase{"AsHighAsItMay",
-                             [](Testimony& told) {
-                               told.judging_particles.ground->base_in_map.z =
-                                   told.options.max_height_error_m;
-                             },
-                             FixVerdict::kSure},
-                    GateCase{"InTheAir",
-                             [](Testimony& told) {
-                               told.judging_particles.ground->base_in_map.z =
-                                   told.options.max_height_error_m + 1e-9;
-                             },
-                             FixVerdict::kNotOnGround},
-                    GateCase{"BelowTheFloor",
-                             [](Testimony& told) {
-                               told.judging_particles.ground->base_in_map.z =
-                                   -told.options.max_height_error_m - 1e-9;
-                             },
-                             FixVerdict::kNotOnGround}),
+    testing::Values(
+        GateCase{"NoRoom",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->ground_m.reset();
+                 },
+                 FixVerdict::kNotOnGround},
+        GateCase{"AsHighAsItMay",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->base_in_map.z =
+                       told.options.max_height_error_m;
+                 },
+                 FixVerdict::kSure},
+        GateCase{"InTheAir",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->base_in_map.z =
+                       told.options.max_height_error_m + 1e-9;
+                 },
+                 FixVerdict::kNotOnGround},
+        GateCase{"AmongObstaclesThatAreSeenThrough",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->is_seen_through = true;
+                 },
+                 FixVerdict::kWeak},
+        GateCase{"SeenThroughByAScanThatJustFits",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->is_seen_through = true;
+                   told.AtFix().explained = told.options.sure_explained;
+                   told.AtFix().contradicted = told.options.max_contradicted;
+                 },
+                 FixVerdict::kWeak},
+        GateCase{"SeenThroughByAScanThatFitsBadly",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->is_seen_through = true;
+                   told.AtFix().explained = told.options.sure_explained - 1e-9;
+                 },
+                 FixVerdict::kNotOnGround},
+        GateCase{"SeenThroughByTooFewBeams",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->is_seen_through = true;
+                   told.AtFix().judged = told.options.min_judged_beams - 1;
+                 },
+                 FixVerdict::kNotOnGround},
+        GateCase{"SeenThroughWithoutAScan",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->is_seen_through = true;
+                   told.judging_particles.scan->at_fix.reset();
+                 },
+                 FixVerdict::kNotOnGround},
+        GateCase{"SeenThroughAndAgainstTheScan",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->is_seen_through = true;
+                   told.AtFix().explained = 0.1;
+                 },
+                 FixVerdict::kAgainstScan},
+        GateCase{"BelowTheFloor",
+                 [](Testimony& told) {
+                   told.judging_particles.ground->base_in_map.z =
+                       -told.options.max_height_error_m - 1e-9;
+                 },
+                 FixVerdict::kNotOnGround}),
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(

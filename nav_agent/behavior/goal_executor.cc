@@ -71,6 +71,7 @@ uint64_t GoalExecutor::Start(const NavigationGoal& goal) {
   HeadAlong(poses);
   goal_->status.id = ++last_id_;
   state_ = ToPlanState();
+  has_told_of_gone_ = false;
   tools_.progress.Reset();
   tools_.attempts.Refill();
   tools_.events.Add("goal",
@@ -131,6 +132,7 @@ void GoalExecutor::NoteWayIsFree() {
 core::VelocityCommand GoalExecutor::Step(const control::ControlPose& pose,
                                          base::MonotonicTime now) {
   if (!is_active()) return tools_.controller.Guard(pose, {});
+  LookThroughMap();
   goal_->status.state = GoalState::kActive;
   goal_->status.driven_m += travel_.Step_m(pose.pose.map_from_base.translation);
   if (phase() == GoalPhase::kToPlan) {
@@ -140,6 +142,18 @@ core::VelocityCommand GoalExecutor::Step(const control::ControlPose& pose,
   if (phase() == GoalPhase::kRecovering) return StepRecovering(pose, now);
   if (phase() == GoalPhase::kDriving) return StepDriving(pose, now);
   return tools_.controller.Guard(pose, {});
+}
+
+void GoalExecutor::LookThroughMap() {
+  std::shared_ptr<const traversability::FreedCells> freed =
+      tools_.controller.Freed();
+  const bool is_any = freed != nullptr;
+  if (!tools_.plans.SetFreed(std::move(freed)) || !is_any) return;
+  if (!std::exchange(has_told_of_gone_, true)) {
+    tools_.events.Add("map",
+                      "something that the map has is not there any more");
+  }
+  NoteWayIsFree();
 }
 
 void GoalExecutor::StepPlanning(const core::LevelPose& robot,

@@ -77,6 +77,8 @@ class GoalExecutor {
   using State = std::variant<NoGoalState, ToPlanState, PlanningState,
                              DrivingState, RecoveringState>;
 
+  // What of the map is gone: plans may lead over it.
+  void LookThroughMap();
   void StepPlanning(const core::LevelPose& robot, base::MonotonicTime now);
   core::VelocityCommand StepDriving(const control::ControlPose& pose,
                                     base::MonotonicTime now);
@@ -92,6 +94,8 @@ class GoalExecutor {
   // The active goal, or the last.
   std::optional<GoalCourse> goal_;
   State state_;
+  // Of this goal.
+  bool has_told_of_gone_ = false;
 };
 
 }  // namespace treeline::behavior

@@ -67,6 +67,23 @@ TEST_F(GoalExecutorTest, GoesOnToTheNextPose) {
   EXPECT_EQ(executor.status()->replans, 0);
 }
 
+TEST_F(GoalExecutorTest, PlansOverWhatOfTheMapIsGone) {
+  StartAndDrive({PoseAtPoint(5, 2)});
+  EXPECT_EQ(planner.requests.back().freed, nullptr);
+  controller.freed = std::make_shared<const traversability::FreedCells>();
+  Step();
+  EXPECT_TRUE(Said("map", "not there any more"));
+  executor.Suspend();
+  Step();
+  EXPECT_EQ(planner.requests.back().freed, controller.freed);
+  // More of it is told to the planner, not to people.
+  controller.freed = std::make_shared<const traversability::FreedCells>();
+  executor.Suspend();
+  Step();
+  EXPECT_EQ(planner.requests.back().freed, controller.freed);
+  EXPECT_FALSE(Said("map", ""));
+}
+
 TEST_F(GoalExecutorTest, PlansTheNextLegIfItIsNotKnownYet) {
   StartAndDrive({PoseAtPoint(5, 2), PoseAtPoint(5, 6)});
   planner.holds = true;

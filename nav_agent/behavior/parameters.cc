@@ -7,6 +7,8 @@ std::vector<base::ParameterRow> BehaviorParameters() {
       base::RowOf(kMinFixConfidence),
       base::RowOf(kSureFixConfidence),
       base::RowOf(kMaxTiltError_rad),
+      base::RowOf(kGhostReach_m),
+      base::RowOf(kMinSeenThrough),
       base::RowOf(kMinFixExplained),
       base::RowOf(kMaxFixContradicted),
       base::RowOf(kSureExplained),

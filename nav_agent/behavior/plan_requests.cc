@@ -15,7 +15,8 @@ void PlanRequests::Ask(PlanPurpose purpose, const core::LevelPose& from,
                                    .goal = to,
                                    .blockages = {},
                                    .seed = base::MixBits(seed_ + ++plans_),
-                                   .zones = zones_};
+                                   .zones = zones_,
+                                   .freed = freed_};
   if (purpose != PlanPurpose::kUnblocked) {
     request.blockages = std::move(blockages);
   }

@@ -36,6 +36,13 @@ class PlanRequests {
   void SetZones(std::shared_ptr<const zones::ZoneMap> zones) {
     zones_ = std::move(zones);
   }
+  // Likewise, of what of the map is gone; null: nothing. Whether it is other
+  // than before.
+  bool SetFreed(std::shared_ptr<const traversability::FreedCells> freed) {
+    if (freed == freed_) return false;
+    freed_ = std::move(freed);
+    return true;
+  }
   // Gives up what was asked before. blockages: what stands about; a plan of
   // kUnblocked is not told of it.
   void Ask(PlanPurpose purpose, const core::LevelPose& from,
@@ -72,6 +79,7 @@ class PlanRequests {
   uint64_t seed_;
   uint64_t plans_ = 0;
   std::shared_ptr<const zones::ZoneMap> zones_;
+  std::shared_ptr<const traversability::FreedCells> freed_;
   std::optional<Asked> asked_;
 };
 

@@ -52,6 +52,14 @@ inline constexpr base::Parameter<double> kPairDistance_m{
 inline constexpr base::Parameter<double> kMinFixStd_m{
     "min_fix_std", 0.08, "m", base::ParameterOrigin::kTuned,
     "a fix is never better known than this"};
+inline constexpr base::Parameter<double> kGhostReach_m{
+    "ghost_reach", 1, "m", base::ParameterOrigin::kGeometry,
+    "what the map has and reaches further from the robot is no ghost of a "
+    "person or a cart"};
+inline constexpr base::Parameter<int> kMinSeenThrough{
+    "min_seen_through", 8, "", base::ParameterOrigin::kGeometry,
+    "cells of it that beams must pass beside the robot: 0.4 m of an edge; less "
+    "is a leg, which beams miss"};
 inline constexpr base::Parameter<double> kSamePlace_m{
     "same_place", 0.5, "m", base::ParameterOrigin::kTuned,
     "nearer places are the same one"};
@@ -275,6 +283,9 @@ inline constexpr double kConfirmExplained =
     (kSureExplained + kMinFixExplained) / 2;
 inline constexpr double kConfirmContradicted =
     (kSureContradicted + kMaxFixContradicted) / 2;
+// Of what is seen through, beams may end on so much as a sure fix may be
+// contradicted by.
+inline constexpr double kMaxGhostHitShare = kSureContradicted;
 // A fix may be off by half of what two may differ by.
 inline constexpr double kFixSearch_m = kPairDistance_m / 2;
 inline constexpr double kFixSearch_rad = kPairAngle_rad / 2;

@@ -135,11 +135,15 @@ class FakeController final : public control::LocalController {
                ? std::copysign(free_m, max_distance_m)
                : max_distance_m;
   }
+  std::shared_ptr<const traversability::FreedCells> Freed() const override {
+    return freed;
+  }
   std::vector<control::Bubble> Bubbles() const override { return {}; }
   control::CostmapView Costmap() const override { return {}; }
 
   std::vector<core::LevelPose> path;
   std::shared_ptr<const zones::ZoneMap> zones;
+  std::shared_ptr<const traversability::FreedCells> freed;
   control::ControlResult result = {
       .state = control::ControlState::kDriving,
       .command = {.forward_mps = 0.5, .yaw_rate_radps = 0},

@@ -74,17 +74,34 @@ core::CellIndex GroundLayer::MapCellAt(geometry::Vec2 point_in_map) const {
               scale * (-map_sin_ * from_origin.x + map_cos_ * from_origin.y)))};
 }
 
+bool GroundLayer::SetFreed(
+    std::shared_ptr<const traversability::FreedCells> freed) {
+  if (freed == freed_) return false;
+  freed_ = std::move(freed);
+  return true;
+}
+
+// NaN: ground that is not known and may be driven on.
+std::optional<float> GroundLayer::FreeGround_m(int level,
+                                               core::CellIndex map_cell) const {
+  if (map_->IsFree(level, map_cell)) {
+    const traversability::TraversableLevel& of =
+        map_->traversable().levels[static_cast<size_t>(level)];
+    return of.height_m[of.grid.IndexOf(map_cell)] +
+           static_cast<float>(0.5 * map_->resolution_m());
+  }
+  return freed_ == nullptr ? std::nullopt : freed_->Ground_m(level, map_cell);
+}
+
 std::optional<GroundLayer::Ground> GroundLayer::StepOnto(
     core::CellIndex map_cell, const Ground& from) const {
   std::optional<Ground> best;
   double best_m = kStepVoxels * map_->resolution_m();
   if (!map_->grid(0).Contains(map_cell)) return best;
-  const size_t i = map_->grid(0).IndexOf(map_cell);
   for (int level = 0; level < map_->levels(); ++level) {
-    if (!map_->IsFree(level, map_cell)) continue;
-    float height_m =
-        map_->traversable().levels[static_cast<size_t>(level)].height_m[i] +
-        static_cast<float>(0.5 * map_->resolution_m());
+    const std::optional<float> ground_m = FreeGround_m(level, map_cell);
+    if (!ground_m.has_value()) continue;
+    float height_m = *ground_m;
     // Unknown ground that may be driven on goes on level.
     if (std::isnan(height_m)) {
       if (level != from.level) continue;

@@ -9,6 +9,7 @@
 
 #include "nav_agent/control/costmap_window.h"
 #include "nav_agent/core/level_pose.h"
+#include "nav_agent/traversability/loose_things.h"
 #include "nav_agent/traversability/navigation_map.h"
 
 namespace treeline::control {
@@ -27,6 +28,9 @@ class GroundLayer {
   GroundLayer(std::shared_ptr<const traversability::NavigationMap> map,
               size_t cells);
 
+  // Cells that are ground although the map has something there; null: none.
+  // Spread follows. Whether they are others than before.
+  bool SetFreed(std::shared_ptr<const traversability::FreedCells> freed);
   // Anew, for a window around a robot at `pose`.
   void Spread(const CostmapWindow& window, const core::LevelPose& pose);
   // For a robot that is lost the map is not asked: ground everywhere, level at
@@ -78,7 +82,12 @@ class GroundLayer {
             std::vector<int>& open);
   void MeasureDistances(const CostmapWindow& window);
 
+  // The ground's height there, of a level, as the map has it or as it was
+  // freed.
+  std::optional<float> FreeGround_m(int level, core::CellIndex map_cell) const;
+
   std::shared_ptr<const traversability::NavigationMap> map_;
+  std::shared_ptr<const traversability::FreedCells> freed_;
   // The map's grid from the map's frame: a rotation, then cells.
   double map_cos_ = 1;
   double map_sin_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "nav_agent/control/obstacle_parameters.h"
@@ -108,11 +109,49 @@ void LaserObserver::Add(const ControlPose& pose, const core::LaserScan& scan,
     obstacles.ClearAlong(window, ground, map_from_laser.translation, end,
                          now_ms);
   }
+  map_from_laser_ = map_from_laser;
+  ends_ = ends;
   obstacles.MarkLaserHits(now_ms);
   for (ObservedPoint& point : points_) {
     point.is_moving =
         obstacles.IsMoving(window, ground, window.CellOf(point.in_map), now_ms);
   }
+}
+
+LaserSight LaserObserver::Look(const ThingColumn& column) const {
+  if (ends_.empty()) return {};
+  const geometry::Vec3& from = map_from_laser_.translation;
+  const geometry::Vec3 in_laser =
+      map_from_laser_.Inverse() *
+      geometry::Vec3{column.center_in_map.x, column.center_in_map.y, from.z};
+  const double away_m = std::hypot(in_laser.x, in_laser.y);
+  if (away_m < 2 * column.half_width_m) return {};
+  const double half_rad = std::atan2(column.half_width_m, away_m);
+  const double middle =
+      (std::atan2(in_laser.y, in_laser.x) - info_.angle_min_rad) /
+      info_.angle_increment_rad;
+  const double half = std::abs(half_rad / info_.angle_increment_rad);
+  const int begin = static_cast<int>(std::floor(middle - half));
+  const int end = static_cast<int>(std::ceil(middle + half));
+  if (begin < 0 || end >= info_.beams) return {};
+  LaserSight result = {.sight = ColumnSight::kThrough,
+                       .range_m = std::numeric_limits<double>::infinity()};
+  for (int beam = begin; beam <= end; ++beam) {
+    const geometry::Vec3 way = ends_[static_cast<size_t>(beam)] - from;
+    const double range_m = std::hypot(way.x, way.y);
+    result.range_m = std::min(result.range_m, range_m);
+    const double part = range_m > away_m ? away_m / range_m : 1;
+    const double above_m = from.z + part * way.z - column.ground_m;
+    const bool is_of_things =
+        above_m > kGroundTolerance_m && above_m < kLookHeight_m;
+    if (range_m < away_m - kThingDepth_m || !is_of_things) {
+      result.sight = ColumnSight::kUnknown;
+    } else if (range_m <= away_m + kThingDepth_m) {
+      result.sight = ColumnSight::kMet;
+      break;
+    }
+  }
+  return result;
 }
 
 bool LaserObserver::ShowsMoverNear(geometry::Vec2 in_map) const {

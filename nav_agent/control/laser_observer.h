@@ -14,6 +14,7 @@
 #include "nav_agent/control/ground_layer.h"
 #include "nav_agent/control/observed_point.h"
 #include "nav_agent/control/obstacle_layer.h"
+#include "nav_agent/control/thing_column.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
@@ -38,6 +39,10 @@ class LaserObserver {
            int64_t now_ms, ObstacleLayer& obstacles);
   void ForgetPoints() { points_.clear(); }
 
+  // What the newest scan shows of a column: kThrough if all beams towards it
+  // end beyond it and pass it at the height of things that stand.
+  LaserSight Look(const ThingColumn& column) const;
+
   // The newest scan's points on obstacles, the map's included, near the robot.
   std::span<const ObservedPoint> points() const { return points_; }
   std::optional<base::MonotonicTime> last_scan() const { return last_scan_; }
@@ -59,6 +64,10 @@ class LaserObserver {
   std::vector<double> beam_sin_;
   std::optional<base::MonotonicTime> last_scan_;
   std::vector<ObservedPoint> points_;
+  // Of the newest scan: whence, and where its beams end; those without return
+  // where they begin.
+  geometry::Rigid3 map_from_laser_;
+  std::vector<geometry::Vec3> ends_;
 };
 
 }  // namespace treeline::control

@@ -100,6 +100,9 @@ class BandController final : public LocalController {
                ? base::SecondsBetween(*dynamic_obstacles_.last_seen(), now)
                : std::numeric_limits<double>::infinity();
   }
+  std::shared_ptr<const traversability::FreedCells> Freed() const override {
+    return costmap_.freed();
+  }
   std::vector<Bubble> Bubbles() const override;
   CostmapView Costmap() const override;
 

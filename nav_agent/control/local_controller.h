@@ -16,6 +16,7 @@
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
+#include "nav_agent/traversability/loose_things.h"
 #include "nav_agent/traversability/navigation_map.h"
 #include "nav_agent/zones/zone_map.h"
 
@@ -121,6 +122,9 @@ class LocalController {
   // about, one may come up behind the robot, where no sensor looks. Infinity
   // for a robot with a laser there.
   virtual double QuietFor_s(base::MonotonicTime now) const = 0;
+
+  // What of the map was seen to be gone, for plans; null: nothing.
+  virtual std::shared_ptr<const traversability::FreedCells> Freed() const = 0;
 
   virtual std::vector<Bubble> Bubbles() const = 0;
   virtual CostmapView Costmap() const = 0;

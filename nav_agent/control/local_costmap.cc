@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/control/depth_columns.h"
 #include "nav_agent/control/obstacle_parameters.h"
 
 namespace treeline::control {
@@ -60,7 +61,9 @@ LocalCostmap::LocalCostmap(
     const LocalCostmapOptions& options)
     : far_m_(options.length_m + options.width_m),
       map_resolution_m_(map->resolution_m()),
+      robot_(robot),
       window_(options.length_m, options.width_m, options.resolution_m),
+      gone_(map, robot),
       ground_(std::move(map), window_.cells()),
       zones_(window_.cells(), Footprint::Of(robot)),
       obstacles_(window_.cells(), lasers.rear.has_value()),
@@ -100,6 +103,8 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
       control_pose.map_is_unknown ? RiseUnder(control_pose) : geometry::Vec2();
   const CostmapWindow window =
       window_.CenteredAt(pose.map_from_base.translation);
+  gone_.MoveTo(control_pose);
+  const bool opens = ground_.SetFreed(gone_.freed());
   if (placed_at_.has_value()) {
     const bool rolls = !window.IsSamePlaceAs(window_);
     const bool climbs =
@@ -107,7 +112,7 @@ void LocalCostmap::MoveTo(const ControlPose& control_pose) {
         std::abs(pose.place.height_m - placed_at_->place.height_m) >
             kClimbVoxels * map_resolution_m_;
     const bool tilts = geometry::Norm(rise - placed_rise_) > kNewRise;
-    if (!rolls && !climbs && !tilts) {
+    if (!rolls && !climbs && !tilts && !opens) {
       zones_.LetOut(window_, ground_, pose);
       return;
     }
@@ -170,7 +175,33 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
       obstacles_.MarkAsOfMover(i);
     }
   }
+  const DepthColumns columns(pose, frame, robot_);
+  gone_.Look(
+      pose,
+      [this, &frame](const ThingColumn& column) {
+        return LookByLasers(column, frame.stamp);
+      },
+      [&columns](const ThingColumn& column, double beyond_m) {
+        return columns.Look(column, beyond_m);
+      },
+      now_ms);
   return absl::OkStatus();
+}
+
+LaserSight LocalCostmap::LookByLasers(const ThingColumn& column,
+                                      base::MonotonicTime stamp) const {
+  LaserSight sight;
+  for (const LaserObserver* laser : {&front_, rear_ ? &*rear_ : nullptr}) {
+    if (laser == nullptr || !laser->last_scan().has_value() ||
+        std::abs(base::SecondsBetween(*laser->last_scan(), stamp)) >
+            kLately_s) {
+      continue;
+    }
+    const LaserSight look = laser->Look(column);
+    if (look.sight == ColumnSight::kMet) return look;
+    if (look.sight == ColumnSight::kThrough) sight = look;
+  }
+  return sight;
 }
 
 void LocalCostmap::ClearObstacles() {
@@ -183,6 +214,7 @@ void LocalCostmap::ClearObstacles() {
 
 void LocalCostmap::Update(base::MonotonicTime now) {
   obstacles_.Forget(BeginEpoch_ms(now));
+  gone_.Forget(SinceEpoch_ms(now));
   std::vector<uint8_t> is_obstacle(cells_.size());
   for (size_t i = 0; i < cells_.size(); ++i) {
     cells_[i] = !ground_.IsGround(i) || zones_.IsClosed(i)

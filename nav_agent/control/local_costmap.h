@@ -14,6 +14,7 @@
 #include "nav_agent/control/costmap_window.h"
 #include "nav_agent/control/depth_observer.h"
 #include "nav_agent/control/distance_layer.h"
+#include "nav_agent/control/gone_things.h"
 #include "nav_agent/control/ground_layer.h"
 #include "nav_agent/control/laser_observer.h"
 #include "nav_agent/control/observed_obstacles.h"
@@ -43,6 +44,7 @@ enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 // other's making:
 //
 //   GroundLayer     the map's ground that continues the robot's own
+//   GoneThings      of what the map has, what is seen through: ground, too
 //   ZoneLayer       what the robot is kept out of
 //   ObstacleLayer   what sensors have hit and passed
 //   LaserObserver,     from scans and frames into the ObstacleLayer
@@ -74,6 +76,11 @@ class LocalCostmap {
   void SetZones(std::shared_ptr<const zones::ZoneMap> zones);
   // Forgets what is too old; distances are right afterwards.
   void Update(base::MonotonicTime now);
+
+  // What of the map was seen to be gone; null: nothing.
+  const std::shared_ptr<const traversability::FreedCells>& freed() const {
+    return gone_.freed();
+  }
 
   const CostmapWindow& window() const { return window_; }
   bool Contains(geometry::Vec2 point_in_map, double inset_m = 0) const {
@@ -129,6 +136,9 @@ class LocalCostmap {
                const core::RobotModel& robot, const core::RobotLasers& lasers,
                const LocalCostmapOptions& options);
 
+  // Of the lasers whose newest scan is of about this time: pictures come later.
+  LaserSight LookByLasers(const ThingColumn& column,
+                          base::MonotonicTime stamp) const;
   // nullptr: there is none.
   const LaserObserver* SightOf(core::LaserMount mount) const;
   // Since the first time that it was told; 0 if it was told none.
@@ -138,11 +148,13 @@ class LocalCostmap {
   // Further than any distance in the window (m).
   double far_m_;
   double map_resolution_m_;
+  core::RobotModel robot_;
   CostmapWindow window_;
   // The robot's pose when the ground was spread; none: it has to be.
   std::optional<core::LevelPose> placed_at_;
   // Of a robot that is lost: the slope that it stood on then (m/m).
   geometry::Vec2 placed_rise_;
+  GoneThings gone_;
   GroundLayer ground_;
   ZoneLayer zones_;
   ObstacleLayer obstacles_;

@@ -64,6 +64,21 @@ inline constexpr base::Parameter<double> kLookHeight_m{
 inline constexpr base::Parameter<double> kDepthRange_m{
     "depth_range", 3.0, "m", base::ParameterOrigin::kPhysics,
     "an RGB-D camera's noise grows with the square of depth"};
+// ---- what is gone ----
+inline constexpr base::Parameter<double> kThingDepth_m{
+    "thing_depth", 0.1, "m", base::ParameterOrigin::kGeometry,
+    "what is measured so near to a cell, a cell's diagonal and a sensor's "
+    "noise, may be what stands in it"};
+inline constexpr base::Parameter<double> kFloorScatter_m{
+    "floor_scatter", 0.05, "m", base::ParameterOrigin::kGeometry,
+    "what differs from the ground by less, a voxel, is ground: less than the "
+    "lowest step that the map has"};
+inline constexpr base::Parameter<double> kDepthHoles_m{
+    "depth_holes", 3.5, "m", base::ParameterOrigin::kPhysics,
+    "what is further may lack in a depth picture: an Xtion's data sheet"};
+inline constexpr base::Parameter<double> kPoseJump_m{
+    "pose_jump", 0.15, "m", base::ParameterOrigin::kGeometry,
+    "no robot moves so far in a cycle: its pose was wrong, by three cells"};
 // ---- for how long ----
 inline constexpr base::Parameter<double> kRecently_s{
     "recently", 3.0, "s", base::ParameterOrigin::kTuned,
@@ -148,6 +163,8 @@ inline constexpr auto kDepthColumns =
 // Scans and poses are each a cycle old at most: what more is kept for each m/s
 // (s).
 inline constexpr double kMarginPerSpeed_s = 2 * kCycle_s;
+// What reaches further than the window may be a wall, or glass (m).
+inline constexpr double kLooseSize_m = kCostmapSize_m;
 // A robot not quite on free ground stands on what its corners reach (m).
 inline constexpr double kSeedReach_m = kCorner_m;
 // A laser cannot tell less from nothing: a footprint with less room touches,

@@ -21,8 +21,8 @@ struct LaserSlamOptions {
   // the last that was. What matching corrects is spread over those in between.
   double keyscan_m = 0.2;
   double keyscan_rad = 0.15;
-  double still_m = 0.1;
-  double still_rad = 0.08;
+  double still_m = 0.05;
+  double still_rad = 0.04;
   // Scans whose planes are farther apart than this are of different floors,
   // and are not matched with each other (m, above 0).
   double max_gap_m = 0.3;

@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <vector>
+
+#include "nav_agent/mapping/grid_kernels.h"
 
 namespace treeline::mapping {
 namespace {
@@ -19,6 +22,12 @@ constexpr int kRefinements = 12;
 // Below this angle nothing is gained; above, near things are missed.
 constexpr double kMinAngleStep_rad = 0.0015;
 constexpr double kMaxAngleStep_rad = 0.02;
+
+// Less than any score; how many points are added up before it is asked whether
+// the rest can matter; steps uphill before a search.
+constexpr double kTooLittle = -1e300;
+constexpr size_t kPointsAtOnce = 32;
+constexpr int kMaxClimb = 30;
 
 // Returns scatter by this much, and so do the directions of the pieces between
 // them: a wall seems to tell a little of where along it the scan was taken. So
@@ -41,11 +50,11 @@ int LevelsFor(int half_cells) {
 }
 
 double FarthestPoint_m(const ScanOutline& scan) {
-  double farthest_m = 0;
+  double farthest_m2 = 0;
   for (const geometry::Vec2& point : scan.points_m) {
-    farthest_m = std::max(farthest_m, geometry::Norm(point));
+    farthest_m2 = std::max(farthest_m2, geometry::Dot(point, point));
   }
-  return farthest_m;
+  return std::sqrt(farthest_m2);
 }
 
 // Steps that move `quantile` of the points by less than a cell.
@@ -53,13 +62,42 @@ double AngleStep_rad(const ScanOutline& scan, double cell_m, double quantile) {
   std::vector<double> ranges_m;
   ranges_m.reserve(scan.size());
   for (const geometry::Vec2& point : scan.points_m)
-    ranges_m.push_back(geometry::Norm(point));
+    ranges_m.push_back(std::sqrt(geometry::Dot(point, point)));
   const auto nth =
       ranges_m.begin() +
       static_cast<ptrdiff_t>(quantile * static_cast<double>(scan.size() - 1));
   std::nth_element(ranges_m.begin(), nth, ranges_m.end());
   return std::clamp(cell_m / std::max(*nth, cell_m), kMinAngleStep_rad,
                     kMaxAngleStep_rad);
+}
+
+struct Box {
+  geometry::Vec2 low;
+  geometry::Vec2 high;
+};
+
+// What holds the scan at a pose, turned either way by up to turn_rad.
+Box BoxOf(const ScanOutline& scan, const geometry::Rigid2& pose,
+          double turn_rad) {
+  Box box = {.low = pose.translation, .high = pose.translation};
+  // Between three turns, points are at most so far out of what those hold.
+  const double bulge =
+      turn_rad < std::numbers::pi ? 1 - std::cos(0.5 * turn_rad) : 2;
+  for (const double turn : {-turn_rad, 0.0, turn_rad}) {
+    const double c = std::cos(pose.yaw_rad + turn);
+    const double s = std::sin(pose.yaw_rad + turn);
+    for (const geometry::Vec2& p : scan.points_m) {
+      const geometry::Vec2 at =
+          pose.translation +
+          geometry::Vec2{c * p.x - s * p.y, s * p.x + c * p.y};
+      const double beyond_m = bulge * std::sqrt(geometry::Dot(p, p));
+      box.low = {std::min(box.low.x, at.x - beyond_m),
+                 std::min(box.low.y, at.y - beyond_m)};
+      box.high = {std::max(box.high.x, at.x + beyond_m),
+                  std::max(box.high.y, at.y + beyond_m)};
+    }
+  }
+  return box;
 }
 
 // One rotation of the scan: where its points fall, as offsets into the grid.
@@ -99,7 +137,7 @@ class Search {
     int turn = 0;
     int x = 0;
     int y = 0;
-    double score = -1e300;
+    double score = kTooLittle;
   };
 
   Pose FindBest();
@@ -121,8 +159,11 @@ class Search {
   const RotatedScan& At(int turn) const {
     return rotated_[static_cast<size_t>(turn + half_turns_)];
   }
-  // The largest score of the poses (x..x+2^h-1, y..y+2^h-1).
-  double Bound(int turn, int x, int y, int h) const;
+  // The largest score of the poses (x..x+2^h-1, y..y+2^h-1); what is less than
+  // `needed` may be kTooLittle.
+  double Bound(int turn, int x, int y, int h, double needed) const;
+  // The score of a pose uphill of the guess.
+  double ClimbFromGuess() const;
   void Descend(const Pose& pose, int h, Pose* best) const;
 
   const SurfaceGrid& grid_;
@@ -136,6 +177,8 @@ class Search {
   const double yaw_penalty_;
   const double log_scale_;
   std::vector<RotatedScan> rotated_;
+  // Some pose has as much.
+  double reached_ = kTooLittle;
 };
 
 RotatedScan Search::Rotate(int turn) const {
@@ -150,11 +193,12 @@ RotatedScan Search::Rotate(int turn) const {
   const geometry::Vec2 offset = pose.translation - grid_.origin();
   // No step of the search, of the spread or of a block may leave the grid.
   const double margin = half_cells_ + kAround + (1 << grid_.levels());
-  const double last = grid_.width() - 1 - margin;
+  const double end_x = grid_.width() - margin;
+  const double end_y = grid_.height() - margin;
   for (const geometry::Vec2& p : scan_.points_m) {
-    const double x = std::floor((offset.x + c * p.x - s * p.y) * scale);
-    const double y = std::floor((offset.y + s * p.x + c * p.y) * scale);
-    if (!(x >= margin) || !(y >= margin) || !(x <= last) || !(y <= last)) {
+    const double x = (offset.x + c * p.x - s * p.y) * scale;
+    const double y = (offset.y + s * p.x + c * p.y) * scale;
+    if (!(x >= margin) || !(y >= margin) || !(x < end_x) || !(y < end_y)) {
       continue;
     }
     rotated.offsets.push_back(static_cast<int32_t>(y) * grid_.width() +
@@ -163,16 +207,25 @@ RotatedScan Search::Rotate(int turn) const {
   return rotated;
 }
 
-double Search::Bound(int turn, int x, int y, int h) const {
+double Search::Bound(int turn, int x, int y, int h, double needed) const {
   const uint8_t* cells = grid_.level(h) + y * grid_.width() + x;
-  uint32_t sum = 0;
-  for (const int32_t offset : At(turn).offsets) sum += cells[offset];
   const int reach = (1 << h) - 1;
   // How far the nearest pose of the block is from the guess.
   const double dx = std::max({x, -(x + reach), 0});
   const double dy = std::max({y, -(y + reach), 0});
-  return sum * per_point_ - translation_penalty_ * (dx * dx + dy * dy) -
-         yaw_penalty_ * turn * turn;
+  const double penalty =
+      translation_penalty_ * (dx * dx + dy * dy) + yaw_penalty_ * turn * turn;
+  // Even if all points that are left were on surfaces, it would not do.
+  const double needed_sum = (needed + penalty) / per_point_ - 1;
+  const std::vector<int32_t>& offsets = At(turn).offsets;
+  uint32_t sum = 0;
+  for (size_t begin = 0; begin < offsets.size(); begin += kPointsAtOnce) {
+    const size_t left = offsets.size() - begin;
+    if (sum + 255.0 * static_cast<double>(left) < needed_sum) return kTooLittle;
+    const size_t end = begin + std::min(left, kPointsAtOnce);
+    for (size_t i = begin; i < end; ++i) sum += cells[offsets[i]];
+  }
+  return sum * per_point_ - penalty;
 }
 
 void Search::Descend(const Pose& pose, int h, Pose* best) const {
@@ -189,7 +242,8 @@ void Search::Descend(const Pose& pose, int h, Pose* best) const {
                  .x = pose.x + (i % 2) * half,
                  .y = pose.y + (i / 2) * half};
     if (part.x > half_cells_ || part.y > half_cells_) continue;
-    part.score = Bound(part.turn, part.x, part.y, h - 1);
+    part.score = Bound(part.turn, part.x, part.y, h - 1,
+                       std::max(best->score, reached_));
     parts[static_cast<size_t>(count++)] = part;
   }
   std::stable_sort(
@@ -200,15 +254,39 @@ void Search::Descend(const Pose& pose, int h, Pose* best) const {
   }
 }
 
+double Search::ClimbFromGuess() const {
+  Pose top;
+  top.score = Bound(0, 0, 0, 0, kTooLittle);
+  for (int step = 0; step < kMaxClimb; ++step) {
+    const Pose from = top;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int by : {-1, 1}) {
+        Pose next = from;
+        int& along = axis == 0 ? next.x : axis == 1 ? next.y : next.turn;
+        along += by;
+        if (std::abs(along) > (axis == 2 ? half_turns_ : half_cells_)) continue;
+        next.score = Bound(next.turn, next.x, next.y, 0, top.score);
+        if (next.score > top.score) top = next;
+      }
+    }
+    if (top.score <= from.score) break;
+  }
+  return top.score;
+}
+
 Search::Pose Search::FindBest() {
   const int top = grid_.levels() - 1;
   const int block = 1 << top;
+  // What is less than a pose that is known is not the best: the search takes
+  // the same one of equals as without.
+  reached_ = ClimbFromGuess();
   std::vector<Pose> blocks;
   for (int turn = -half_turns_; turn <= half_turns_; ++turn) {
     for (int y = -half_cells_; y <= half_cells_; y += block) {
       for (int x = -half_cells_; x <= half_cells_; x += block) {
-        blocks.push_back(
-            {.turn = turn, .x = x, .y = y, .score = Bound(turn, x, y, top)});
+        const double score = Bound(turn, x, y, top, reached_);
+        if (score < reached_) continue;
+        blocks.push_back({.turn = turn, .x = x, .y = y, .score = score});
       }
     }
   }
@@ -225,6 +303,7 @@ Search::Pose Search::FindBest() {
 
 Eigen::Matrix3d Search::Spread(const Pose& best) const {
   constexpr int kWidth = 2 * kAround + 1;
+  static_assert(kWidth == kSumWindow);
   double total = 0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
@@ -232,22 +311,16 @@ Eigen::Matrix3d Search::Spread(const Pose& best) const {
     const bool kept = std::abs(turn) <= half_turns_;
     const RotatedScan rotated = kept ? RotatedScan{} : Rotate(turn);
     const RotatedScan& at = kept ? At(turn) : rotated;
-    std::array<uint32_t, kWidth * kWidth> sums{};
+    WindowSums sums;
     const uint8_t* corner =
         grid_.level(0) + (best.y - kAround) * grid_.width() + best.x - kAround;
-    for (const int32_t offset : at.offsets) {
-      for (int y = 0; y < kWidth; ++y) {
-        const uint8_t* row = corner + offset + y * grid_.width();
-        for (int x = 0; x < kWidth; ++x) {
-          sums[static_cast<size_t>(y * kWidth + x)] += row[x];
-        }
-      }
-    }
+    SumWindows(corner, at.offsets, grid_.width(), sums);
     for (int i = 0; i < kWidth * kWidth; ++i) {
       const int dx = i % kWidth - kAround;
       const int dy = i / kWidth - kAround;
       const double score =
-          sums[static_cast<size_t>(i)] * per_point_ -
+          sums[static_cast<size_t>(i / kWidth * kSumRow + i % kWidth)] *
+              per_point_ -
           translation_penalty_ * (Square(best.x + dx) + Square(best.y + dy)) -
           yaw_penalty_ * Square(turn);
       const double p = std::exp(log_scale_ * (score - best.score));
@@ -305,10 +378,41 @@ Eigen::Matrix3d HonestPrecision(const Normal& normal, double weight,
          solver.eigenvectors().transpose();
 }
 
+using Jacobian = std::array<double, 3>;
+
+// How a point moves in a direction with x, y and yaw.
+Jacobian JacobianOf(geometry::Vec2 arm, geometry::Vec2 direction) {
+  return {direction.x, direction.y, geometry::Cross(arm, direction)};
+}
+
+// A sum of weight * j * j', which is symmetric.
+struct ProductSum {
+  std::array<double, 6> upper{};
+
+  void Add(double weight, const Jacobian& j) {
+    upper[0] += weight * j[0] * j[0];
+    upper[1] += weight * j[0] * j[1];
+    upper[2] += weight * j[0] * j[2];
+    upper[3] += weight * j[1] * j[1];
+    upper[4] += weight * j[1] * j[2];
+    upper[5] += weight * j[2] * j[2];
+  }
+  Eigen::Matrix3d Matrix() const {
+    Eigen::Matrix3d m;
+    m << upper[0], upper[1], upper[2],  //
+        upper[1], upper[3], upper[4],   //
+        upper[2], upper[4], upper[5];
+    return m;
+  }
+};
+
 // Distances to the surfaces, linearised at `pose`.
 Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
                  const geometry::Rigid2& pose) {
   Normal normal;
+  ProductSum precision;
+  ProductSum pretended;
+  std::array<double, 3> gradient{};
   const double c = std::cos(pose.yaw_rad);
   const double s = std::sin(pose.yaw_rad);
   const double inverse_2sigma2 = 1 / (2 * Square(grid.sigma_m()));
@@ -328,34 +432,33 @@ Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
     }
     const double weight = std::exp(-geometry::Dot(off, off) * inverse_2sigma2);
     normal.response += weight;
-    const auto jacobian = [&arm](geometry::Vec2 direction) {
-      return Eigen::Vector3d(direction.x, direction.y,
-                             geometry::Cross(arm, direction));
-    };
-    const auto add = [&](geometry::Vec2 direction, double distance_m) {
-      const Eigen::Vector3d j = jacobian(direction);
-      normal.precision += weight * j * j.transpose();
-      normal.gradient += weight * distance_m * j;
-    };
-    const auto pretend = [&](geometry::Vec2 direction, double part) {
-      const Eigen::Vector3d j = jacobian(direction);
-      normal.pretended += weight * part * j * j.transpose();
-    };
     if (is_line) {
       // A surface holds a point only at right angles to itself: where it ends
       // is where the reference's view of it did.
       const double length = std::sqrt(length2);
       const geometry::Vec2 across = {-along.y / length, along.x / length};
-      add(across, geometry::Dot(from, across));
-      pretend((1 / length) * along,
-              std::min(1.0, kPretends * Square(kReturnNoise_m) / length2));
+      const double off_m = geometry::Dot(from, across);
+      const Jacobian j = JacobianOf(arm, across);
+      precision.Add(weight, j);
+      for (size_t i = 0; i < 3; ++i) gradient[i] += weight * off_m * j[i];
+      pretended.Add(
+          weight * std::min(1.0, kPretends * Square(kReturnNoise_m) / length2),
+          JacobianOf(arm, (1 / length) * along));
     } else {
-      add({1, 0}, off.x);
-      add({0, 1}, off.y);
-      pretend({1, 0}, kDotPretends);
-      pretend({0, 1}, kDotPretends);
+      const Jacobian x = JacobianOf(arm, {1, 0});
+      const Jacobian y = JacobianOf(arm, {0, 1});
+      precision.Add(weight, x);
+      precision.Add(weight, y);
+      for (size_t i = 0; i < 3; ++i) {
+        gradient[i] += weight * off.x * x[i] + weight * off.y * y[i];
+      }
+      pretended.Add(weight * kDotPretends, x);
+      pretended.Add(weight * kDotPretends, y);
     }
   }
+  normal.precision = precision.Matrix();
+  normal.pretended = pretended.Matrix();
+  normal.gradient = Eigen::Vector3d(gradient.data());
   normal.response /= static_cast<double>(scan.size());
   return normal;
 }
@@ -382,8 +485,16 @@ SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
   const int levels = LevelsFor(half_cells);
   const double margin_m =
       (half_cells + kAround + (2 << levels) + 2) * options.cell_m;
+  const double turn_rad =
+      search.half_angle_rad +
+      (kAround + 1) * (scan.empty() ? 0
+                                    : AngleStep_rad(scan, options.cell_m,
+                                                    options.angle_quantile));
+  const Box box = BoxOf(scan, guess, turn_rad);
+  const geometry::Vec2 margin = {margin_m, margin_m};
   SurfaceGrid grid(guess.translation, FarthestPoint_m(scan) + margin_m,
-                   options.cell_m, options.sigma_m);
+                   box.low - margin, box.high + margin, options.cell_m,
+                   options.sigma_m);
   for (const PlacedScan& reference : references) grid.Draw(reference);
   grid.BuildPyramid(levels);
   return grid;

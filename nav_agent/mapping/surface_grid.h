@@ -36,8 +36,10 @@ class SurfaceGrid {
     geometry::Vec2 end;
   };
 
-  // Square, axes as the target's, 2 * half_extent_m wide about the centre.
+  // Axes as the target's. Of the square that is 2 * half_extent_m wide about
+  // the centre, the cells from one corner to the other.
   SurfaceGrid(geometry::Vec2 center_in_target, double half_extent_m,
+              geometry::Vec2 low_in_target, geometry::Vec2 high_in_target,
               double cell_m, double sigma_m);
 
   void Draw(const PlacedScan& scan);
@@ -45,6 +47,7 @@ class SurfaceGrid {
   void BuildPyramid(int levels);
 
   int width() const { return width_; }
+  int height() const { return height_; }
   double cell_m() const { return cell_m_; }
   double sigma_m() const { return sigma_m_; }
   geometry::Vec2 origin() const { return origin_; }  // the lower left corner
@@ -57,16 +60,25 @@ class SurfaceGrid {
 
  private:
   void DrawPiece(const Piece& piece);
+  void WriteLevel0();
 
   double cell_m_;
   double sigma_m_;
   int width_;
+  int height_;
   geometry::Vec2 origin_;
   std::vector<std::vector<uint8_t>> levels_;
-  std::vector<int32_t> nearest_;
+  // As DrawSegment has them.
+  std::vector<uint32_t> nearest_;
+  // What has been drawn on: columns and rows, the last ones too.
+  int drawn_left_;
+  int drawn_right_ = -1;
+  int drawn_bottom_;
+  int drawn_top_ = -1;
   std::vector<Piece> pieces_;
-  // 255 exp(...) by squared distance in 1 / kStepsPerCell2 of a cell squared.
+  // 255 exp(...) by squared distance in 1 / steps_per_cell2_ of a cell squared.
   std::vector<uint8_t> table_;
+  double steps_per_cell2_;
 };
 
 }  // namespace treeline::mapping

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/planning/freed_planner.h"
 #include "nav_agent/planning/ompl_planner.h"
 #include "nav_agent/planning/plan_frame.h"
 #include "nav_agent/planning/variable_rrt_planner.h"
@@ -46,17 +47,26 @@ absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakePlannerOn(
       "there is no planner '", options.planner, "'; there are: ", kPlanners));
 }
 
-absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
+absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakePlannerOfMap(
     std::shared_ptr<const traversability::NavigationMap> map,
     const core::RobotModel& robot, const GlobalPlannerOptions& options) {
-  TL_RETURN_IF_ERROR(options.Validate());
-  TL_RETURN_IF_ERROR(robot.Validate());
   auto ground =
       std::make_shared<const PlanGround>(map, robot, options.margin_m);
   TL_ASSIGN_OR_RETURN(std::unique_ptr<GlobalPlanner> without,
                       MakePlannerOn(std::move(ground), robot, options));
   return std::make_unique<ZonePlanner>(std::move(map), robot, options,
                                        std::move(without));
+}
+
+absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const GlobalPlannerOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_RETURN_IF_ERROR(robot.Validate());
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<GlobalPlanner> as_mapped,
+                      MakePlannerOfMap(map, robot, options));
+  return std::make_unique<FreedPlanner>(std::move(map), robot, options,
+                                        std::move(as_mapped));
 }
 
 }  // namespace treeline::planning

@@ -15,6 +15,7 @@
 #include "nav_agent/core/navigation_cause.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/planning/planner_parameters.h"
+#include "nav_agent/traversability/loose_things.h"
 #include "nav_agent/traversability/navigation_map.h"
 #include "nav_agent/zones/zone_map.h"
 
@@ -35,6 +36,8 @@ struct PlanRequest {
   uint64_t seed = 0;
   // Of the planner's map; null: none.
   std::shared_ptr<const zones::ZoneMap> zones = nullptr;
+  // What of the map was seen to be gone; null: nothing.
+  std::shared_ptr<const traversability::FreedCells> freed = nullptr;
 };
 
 struct PlanBudget {
@@ -86,7 +89,8 @@ struct GlobalPlannerOptions {
 };
 
 // Thread-safe. Plan is a pure function of the request, and of time where the
-// budget is of time. All planners respect zones (ZonePlanner).
+// budget is of time. All planners respect zones (ZonePlanner) and
+// plan over what is gone (FreedPlanner).
 class GlobalPlanner {
  public:
   virtual ~GlobalPlanner() = default;
