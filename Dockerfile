@@ -21,8 +21,10 @@ RUN scripts/build release treeline treeline-server treeline-client \
     deploy/collect-programs build/release/bin /out
 
 # -----------------------------------------------------------------------------
-# What builds web pages. Without npm's registry there are none.
+# What builds web pages. Without npm's registry there are none. Where a proxy
+# signs for it, NODE_EXTRA_CA_CERTS is a file with its authority, in this stage.
 FROM build AS web
+ARG NODE_EXTRA_CA_CERTS=
 RUN apt-get update -q && \
     DEBIAN_FRONTEND=noninteractive \
       apt-get install -q -y --no-install-recommends nodejs npm && \
@@ -53,7 +55,7 @@ RUN scripts/build-bench-report --out /out/report || true
 # A user without rights, the same number in all images, so that they can share
 # volumes; and what runs as it.
 FROM ${DEBIAN} AS base
-COPY deploy/http-ok /usr/local/bin/
+COPY deploy/http-ok deploy/install-packages /usr/local/bin/
 RUN groupadd --system --gid 10001 treeline && \
     useradd --system --uid 10001 --gid treeline --home-dir /nonexistent \
             --no-create-home --shell /usr/sbin/nologin treeline && \
@@ -77,7 +79,7 @@ RUN apt-get update -q && \
       env DEBIAN_FRONTEND=noninteractive \
       apt-get install -q -y --no-install-recommends colmap \
         libheif-examples && \
-    rm -rf /var/lib/apt/lists/*
+    apt-get clean && rm -rf /var/lib/apt/lists/*
 COPY --from=build /src/server/models /usr/share/treeline/models
 COPY --from=build /out/treeline /out/treeline-client /usr/local/bin/
 COPY --from=report /out/report/ /usr/local/share/treeline/
@@ -89,10 +91,7 @@ CMD ["--help"]
 # -----------------------------------------------------------------------------
 # Spreads HTTP/2 over servers, and shows browsers the AR page over TLS.
 FROM base AS balancer
-RUN apt-get update -q && \
-    DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends haproxy openssl && \
-    rm -rf /var/lib/apt/lists/*
+RUN install-packages haproxy openssl
 COPY deploy/make-certificates deploy/run-balancer /usr/local/bin/
 COPY deploy/haproxy.cfg /etc/haproxy/haproxy.cfg
 USER 10001:10001
@@ -105,10 +104,7 @@ ENTRYPOINT ["run-balancer"]
 
 # -----------------------------------------------------------------------------
 FROM base AS prometheus
-RUN apt-get update -q && \
-    DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends prometheus && \
-    rm -rf /var/lib/apt/lists/* && \
+RUN install-packages prometheus && \
     install -d -o treeline -g treeline /prometheus
 COPY deploy/prometheus.yml deploy/observability/rules.yml /etc/prometheus/
 COPY --from=dashboard /out/dashboard/ /usr/local/share/treeline/dashboard/
@@ -129,11 +125,8 @@ CMD ["--config.file=/etc/prometheus/prometheus.yml", \
 # unless it is told otherwise: who reaches it can drive the robot.
 FROM base AS agent
 COPY --from=build /out/packages-agent.txt /usr/share/treeline/
-RUN apt-get update -q && \
-    xargs -a /usr/share/treeline/packages-agent.txt \
-      env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends ca-certificates && \
-    rm -rf /var/lib/apt/lists/*
+RUN xargs -a /usr/share/treeline/packages-agent.txt \
+      install-packages ca-certificates
 COPY --from=build /out/treeline-agent /usr/local/bin/
 COPY --from=operator-page /out/page/ /usr/local/share/treeline/page/
 USER 10001:10001
@@ -151,10 +144,7 @@ RUN PATH=/out:$PATH deploy/make-robot-demo /out/cafe
 # -----------------------------------------------------------------------------
 FROM agent AS robot-demo
 USER root
-RUN apt-get update -q && \
-    DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends curl jq && \
-    rm -rf /var/lib/apt/lists/*
+RUN install-packages curl jq
 COPY --from=cafe /out/cafe/ /usr/local/share/treeline/cafe/
 COPY deploy/kidnap-robot deploy/place-model /usr/local/bin/
 USER 10001:10001
@@ -164,11 +154,8 @@ USER 10001:10001
 # give it certificates and an address, or say that it may be insecure.
 FROM base AS server
 COPY --from=build /out/packages-server.txt /usr/share/treeline/
-RUN apt-get update -q && \
-    xargs -a /usr/share/treeline/packages-server.txt \
-      env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends ca-certificates && \
-    rm -rf /var/lib/apt/lists/*
+RUN xargs -a /usr/share/treeline/packages-server.txt \
+      install-packages ca-certificates
 COPY --from=build /out/treeline-server /out/treeline-client /usr/local/bin/
 COPY --from=ar-page /out/ar-page/ /usr/local/share/treeline/ar-page/
 USER 10001:10001
