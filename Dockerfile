@@ -25,6 +25,7 @@ RUN scripts/build release treeline treeline-server treeline-client \
 # signs for it, NODE_EXTRA_CA_CERTS is a file with its authority, in this stage.
 FROM build AS web
 ARG NODE_EXTRA_CA_CERTS=
+ENV NODE_EXTRA_CA_CERTS=$NODE_EXTRA_CA_CERTS
 RUN apt-get update -q && \
     DEBIAN_FRONTEND=noninteractive \
       apt-get install -q -y --no-install-recommends nodejs npm && \
