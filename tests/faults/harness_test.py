@@ -108,13 +108,18 @@ class ClusterTest(unittest.TestCase):
 
     def test_all_balancers_that_are_shipped_have_the_same_limits(self):
         def limits(path):
-            lines = [line.strip() for line in path.read_text().splitlines()]
+            lines = [line.strip().removesuffix(" table clients")
+                     for line in path.read_text().splitlines()]
             return [line for line in lines if line.startswith(
-                ("stick-table", "tcp-request", "http-request deny",
-                 "tune.h2", "maxconn"))]
+                ("stick-table", "tcp-request", "http-request deny deny_status "
+                 "429", "tune.h2", "maxconn"))]
         first = limits(HAPROXY_CONFIGURATION)
         self.assertEqual(len(first), 6)
-        self.assertEqual(first, limits(ROOT / "deploy" / "haproxy.cfg"))
+        compose = limits(ROOT / "deploy" / "haproxy.cfg")
+        self.assertEqual(set(first), set(compose))
+        # Those of a listener: of gRPC, and of browsers.
+        for line in first[3:]:
+            self.assertEqual(compose.count(line), 2, line)
 
 
 class RunTest(unittest.TestCase):
