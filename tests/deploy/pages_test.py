@@ -83,7 +83,7 @@ class Certificates(unittest.TestCase):
             self.assertEqual((self.folder / name).stat().st_mode & 0o077, 0)
 
     def test_what_is_no_name_is_refused_in_words(self):
-        for name in ("a b", "-x", "DNS:evil,IP:1.2.3.4", "300.1.1.1", "a\nb"):
+        for name in ("a b", "-x", "${NAMES:-}", "::g", "a:b", "DNS:evil,IP:1.2.3.4", "300.1.1.1", "a\nb"):
             with self.subTest(name=name):
                 done = run("make-certificates", self.folder, name)
                 self.assertNotEqual(done.returncode, 0)
