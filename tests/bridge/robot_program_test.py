@@ -87,6 +87,13 @@ class Program:
                 return found
         raise AssertionError(f"no {pattern} in\n{''.join(self.said[-60:])}")
 
+    def wait_for_all(self, *patterns):
+        """In any order."""
+        left = list(patterns)
+        while left:
+            line = self.wait_for("|".join(left)).string
+            left = [each for each in left if not re.search(each, line)]
+
     def end(self, how=signal.SIGTERM):
         if self.process.poll() is None:
             self.process.send_signal(how)
@@ -245,8 +252,7 @@ class RobotProgramTest(unittest.TestCase):
         client.order("goal", 6, "map", *there, 0)
         client.wait_for("result 5 6 0 another goal")
         client.order("cancel", 6)
-        client.wait_for("canceling 0 1")
-        client.wait_for("result 6 5 0")
+        client.wait_for_all("canceling 0 1", "result 6 5 0")
         robot.wait_until("it stands", stands)
         client.order("cancel", 6)
         client.wait_for("canceling 3 0")
