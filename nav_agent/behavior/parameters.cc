@@ -8,7 +8,7 @@ std::vector<base::ParameterRow> BehaviorParameters() {
       base::RowOf(kSureFixConfidence),
       base::RowOf(kMaxTiltError_rad),
       base::RowOf(kGhostReach_m),
-      base::RowOf(kMinSeenThrough),
+      base::RowOf(kMinSeenThrough_m),
       base::RowOf(kMinFixExplained),
       base::RowOf(kMaxFixContradicted),
       base::RowOf(kSureExplained),

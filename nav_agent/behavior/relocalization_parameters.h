@@ -56,9 +56,10 @@ inline constexpr base::Parameter<double> kGhostReach_m{
     "ghost_reach", 1, "m", base::ParameterOrigin::kGeometry,
     "what the map has and reaches further from the robot is no ghost of a "
     "person or a cart"};
-inline constexpr base::Parameter<int> kMinSeenThrough{
-    "min_seen_through", 8, "", base::ParameterOrigin::kGeometry,
-    "cells of it that beams must pass beside the robot: 0.4 m of an edge; less "
+inline constexpr base::Parameter<double> kMinSeenThrough_m{
+    "min_seen_through", 0.4, "m", base::ParameterOrigin::kGeometry,
+    "of its cells beside each other that beams must pass beside the robot; "
+    "less "
     "is a leg, which beams miss"};
 inline constexpr base::Parameter<double> kSamePlace_m{
     "same_place", 0.5, "m", base::ParameterOrigin::kTuned,

@@ -138,7 +138,7 @@ bool IsSeenThrough(const traversability::NavigationMap& map, int level,
   // Where the robot itself is, a beam says nothing.
   const double beside_m = std::min(robot.half_width_m, robot.front_m);
   const int passed = patch.CountPassed(beside_m);
-  return passed >= kMinSeenThrough &&
+  return passed * map.resolution_m() >= kMinSeenThrough_m &&
          patch.CountHit() <= kMaxGhostHitShare * passed;
 }
 

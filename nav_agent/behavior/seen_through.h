@@ -20,10 +20,11 @@ struct ScanFromPlace {
 
 // True if all that the map has nearer than within_m to the base, and what hangs
 // together with it, is not there any more: it ends within kGhostReach_m of the
-// base, beams pass through at least kMinSeenThrough cells of it beside the
-// robot, and hardly one ends on it. What reaches further is a wall. What lies
-// wholly under the robot no beam passes, so it stays. Low things, over which
-// the laser sees, are taken for gone, too: the scan must fit besides.
+// base, beams pass through cells of it beside the robot that side by side are
+// kMinSeenThrough_m wide, and hardly one ends on it. What reaches further is a
+// wall. What lies wholly under the robot no beam passes, so it stays. Low
+// things, over which the laser sees, are taken for gone, too: the scan must fit
+// besides.
 bool IsSeenThrough(const traversability::NavigationMap& map, int level,
                    const ScanFromPlace& scan, double within_m,
                    const core::RobotModel& robot);

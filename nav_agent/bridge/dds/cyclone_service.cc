@@ -13,7 +13,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 #include "dds/dds.h"
-#include "nav_agent/bridge/dds/kept_replies.h"
+#include "nav_agent/bridge/dds/keeping_service.h"
 #include "nav_agent/bridge/dds/topic_names.h"
 
 namespace treeline::dds {
@@ -22,7 +22,6 @@ namespace {
 // rmw_qos_profile_services_default.
 constexpr Quality kServices = {
     .is_reliable = true, .is_latched = false, .depth = 10};
-constexpr size_t kEncodingBytes = 4;
 constexpr size_t kHeaderBytes = 16;
 
 // One number in the byte order that the encoding says, and back: little first.
@@ -61,23 +60,21 @@ std::optional<std::string> ClientOf(const Endpoint& endpoint) {
   return std::nullopt;
 }
 
-class CycloneService final : public Service {
+class CycloneService final : public KeepingService {
  public:
   CycloneService(std::string name, RawTopic request_topic, RawTopic reply_topic,
                  Entity reader, Entity writer)
-      : name_(std::move(name)),
+      : KeepingService(std::move(name)),
         request_topic_(std::move(request_topic)),
         reply_topic_(std::move(reply_topic)),
         reader_(std::move(reader)),
         writer_(std::move(writer)) {}
 
-  std::vector<Request> Take() override;
-  absl::Status Reply(const RequestId& id,
-                     std::span<const uint8_t> bytes) override;
-  int64_t not_understood() const override { return not_understood_; }
-  const std::string& name() const override { return name_; }
-
  private:
+  std::vector<Request> TakeRequests() override;
+  Hearing HearingOf(const RequestId& id) const override;
+  absl::Status Write(const RequestId& id,
+                     std::span<const uint8_t> bytes) override;
   // What RequestId's client holds: the number in the header, and our own for
   // the writer that the request came from, as rmw_cyclonedds keeps them.
   static RequestId IdOf(uint64_t client, uint64_t writer, int64_t sequence) {
@@ -86,24 +83,14 @@ class CycloneService final : public Service {
     PutNumber(writer, id.client.data() + 8);
     return id;
   }
-  Hearing HearingOf(const RequestId& id) const;
-  absl::Status Write(const RequestId& id, std::span<const uint8_t> bytes);
 
-  const std::string name_;
   const RawTopic request_topic_;
   const RawTopic reply_topic_;
   const Entity reader_;
   const Entity writer_;
-  KeptReplies kept_;
-  int64_t not_understood_ = 0;
 };
 
-std::vector<Request> CycloneService::Take() {
-  // Who hears a reply asks again if it is lost.
-  kept_.Send([this](const RequestId& id) { return HearingOf(id); },
-             [this](const RequestId& id, std::span<const uint8_t> bytes) {
-               Write(id, bytes).IgnoreError();
-             });
+std::vector<Request> CycloneService::TakeRequests() {
   std::vector<Request> requests;
   TakeRaw(reader_, [&](std::span<const uint8_t> bytes, int64_t /*written_ns*/,
                        uint64_t writer) {
@@ -112,7 +99,7 @@ std::vector<Request> CycloneService::Take() {
     if (bytes.size() < kEncodingBytes + kHeaderBytes ||
         !ClientOf(
             Endpoint(dds_get_matched_publication_data(reader_.id(), writer)))) {
-      ++not_understood_;
+      CountNotUnderstood();
       return;
     }
     const bool is_little = (bytes[1] & 1) != 0;
@@ -130,7 +117,7 @@ std::vector<Request> CycloneService::Take() {
   return requests;
 }
 
-Hearing CycloneService::HearingOf(const RequestId& id) const {
+KeepingService::Hearing CycloneService::HearingOf(const RequestId& id) const {
   const uint64_t writer = NumberAt(id.client, 8, /*is_little=*/true);
   const std::optional<std::string> client = ClientOf(
       Endpoint(dds_get_matched_publication_data(reader_.id(), writer)));
@@ -153,9 +140,6 @@ Hearing CycloneService::HearingOf(const RequestId& id) const {
 
 absl::Status CycloneService::Write(const RequestId& id,
                                    std::span<const uint8_t> bytes) {
-  if (bytes.size() < kEncodingBytes) {
-    return absl::InvalidArgumentError("a reply without its encoding");
-  }
   std::vector<uint8_t> reply(kEncodingBytes + kHeaderBytes);
   std::ranges::copy(bytes.first(kEncodingBytes), reply.begin());
   // Ours are little-endian, and so is the client's number.
@@ -165,21 +149,7 @@ absl::Status CycloneService::Write(const RequestId& id,
   reply.insert(reply.end(), bytes.begin() + kEncodingBytes, bytes.end());
   const absl::Status written = WriteRaw(writer_, reply_topic_, reply);
   if (written.ok()) return written;
-  return base::Annotate(written, "DDS: replying for " + name_);
-}
-
-absl::Status CycloneService::Reply(const RequestId& id,
-                                   std::span<const uint8_t> bytes) {
-  switch (HearingOf(id)) {
-    case Hearing::kHears:
-      return Write(id, bytes);
-    case Hearing::kGone:
-      return absl::OkStatus();
-    case Hearing::kNotYet:
-      break;
-  }
-  kept_.Keep(id, bytes);
-  return absl::OkStatus();
+  return base::Annotate(written, "DDS: replying for " + name());
 }
 
 // "serviceid=1.2.3;": any text that no other service of the domain has.

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,15 +11,12 @@
 #include "nav_agent/bridge/dds/node.h"
 #include "nav_agent/bridge/dds/testing_client.h"
 #include "nav_agent/bridge/dds/testing_domain.h"
+#include "nav_agent/bridge/dds/testing_service.h"
 
 namespace treeline::dds {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
-constexpr char kName[] = "/robot1/ask";
-constexpr char kType[] = "test_msgs/srv/Ask";
-
-class CycloneServiceTest : public ::testing::Test {
+class CycloneServiceTest : public ServiceTest {
  protected:
   void SetUp() override {
     auto domain = Domain::Join({.id = TestingDomain(), .interface = "lo"});
@@ -35,27 +31,10 @@ class CycloneServiceTest : public ::testing::Test {
     service_ = *std::move(service);
   }
 
-  // False: it did not come true within half a minute.
-  template <typename Holds>
-  bool Until(Holds holds) {
-    for (int i = 0; i < 3000; ++i) {
-      if (holds()) return true;
-      node_->Wait(std::chrono::milliseconds(10));
-    }
-    return false;
-  }
-  std::optional<Request> Next() {
-    std::vector<Request> requests;
-    if (!Until([&] { return !(requests = service_->Take()).empty(); })) {
-      return std::nullopt;
-    }
-    EXPECT_EQ(requests.size(), 1U);
-    return requests[0];
-  }
+  void TearDown() override { service_.reset(); }
 
   std::unique_ptr<Domain> domain_;
   std::unique_ptr<Node> node_;
-  std::unique_ptr<Service> service_;
 };
 
 // The header of serdata.hpp's cdds_request_header, byte by byte.
@@ -97,26 +76,8 @@ TEST_F(CycloneServiceTest, BigEndianNumbersAreTheSameNumbers) {
 TEST_F(CycloneServiceTest, EachClientGetsItsOwnReply) {
   TestingClient first(*domain_, kName, kType, "clientid=1;");
   TestingClient second(*domain_, kName, kType, "clientid=2;");
-  ASSERT_TRUE(Until([&] { return first.IsMatched() && second.IsMatched(); }));
   ASSERT_NE(first.number(), second.number());
-  const int64_t a = first.Ask(Bytes{0, 1, 0, 0, 1, 0, 0, 0});
-  const std::optional<Request> of_first = Next();
-  const int64_t b = second.Ask(Bytes{0, 1, 0, 0, 2, 0, 0, 0});
-  const std::optional<Request> of_second = Next();
-  ASSERT_TRUE(of_first.has_value() && of_second.has_value());
-  // In the other order than they asked.
-  ASSERT_TRUE(service_->Reply(of_second->id, of_second->bytes).ok());
-  ASSERT_TRUE(service_->Reply(of_first->id, of_first->bytes).ok());
-  std::optional<Bytes> to_first;
-  std::optional<Bytes> to_second;
-  ASSERT_TRUE(Until([&] {
-    service_->Take();
-    to_first = first.ReplyTo(a);
-    to_second = second.ReplyTo(b);
-    return to_first.has_value() && to_second.has_value();
-  }));
-  EXPECT_EQ((*to_first)[4], 1);
-  EXPECT_EQ((*to_second)[4], 2);
+  EachGetsItsOwnReply(first, second);
 }
 
 TEST_F(CycloneServiceTest, WhatIsNoRequestIsCountedAndLeftAlone) {
@@ -140,26 +101,10 @@ TEST_F(CycloneServiceTest, WhatIsNoRequestIsCountedAndLeftAlone) {
 }
 
 TEST_F(CycloneServiceTest, AClientThatIsGoneIsNotAnswered) {
-  auto client = std::make_unique<TestingClient>(*domain_, kName, kType);
-  ASSERT_TRUE(Until([&] { return client->IsMatched(); }));
-  client->Ask(Bytes{0, 1, 0, 0, 5, 0, 0, 0});
-  const std::optional<Request> request = Next();
-  ASSERT_TRUE(request.has_value());
-  client.reset();
-  TestingClient later(*domain_, kName, kType, "clientid=later;");
-  ASSERT_TRUE(Until([&] { return later.IsMatched(); }));
-  EXPECT_TRUE(service_->Reply(request->id, request->bytes).ok());
-  // Who came later is answered as before, and hears nothing else.
-  const int64_t asked = later.Ask(Bytes{0, 1, 0, 0, 6, 0, 0, 0});
-  const std::optional<Request> next = Next();
-  ASSERT_TRUE(next.has_value());
-  ASSERT_TRUE(service_->Reply(next->id, next->bytes).ok());
-  std::optional<Bytes> reply;
-  ASSERT_TRUE(Until([&] {
-    service_->Take();
-    return (reply = later.ReplyTo(asked)).has_value();
-  }));
-  EXPECT_EQ((*reply)[4], 6);
+  WhoIsGoneIsNotAnswered([this](int i) {
+    return std::make_unique<TestingClient>(
+        *domain_, kName, kType, i == 0 ? "clientid=1;" : "clientid=later;");
+  });
 }
 
 }  // namespace

@@ -30,7 +30,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/bridge/dds/kept_replies.h"
+#include "nav_agent/bridge/dds/keeping_service.h"
 #include "nav_agent/bridge/fast_dds/fast_raw_type.h"
 
 namespace treeline::fast_dds {
@@ -38,7 +38,6 @@ namespace {
 
 namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
-using dds::Hearing;
 using dds::Request;
 using dds::RequestId;
 using Bytes = std::vector<uint8_t>;
@@ -104,28 +103,24 @@ rtps::GUID_t GuidOf(const RequestId& id) {
   return guid;
 }
 
-class FastService final : public dds::Service {
+class FastService final : public dds::KeepingService {
  public:
   FastService(std::string name, fast::DomainParticipant& participant)
-      : name_(std::move(name)), participant_(participant) {}
+      : KeepingService(std::move(name)), participant_(participant) {}
   ~FastService() override;
   FastService(const FastService&) = delete;
   FastService& operator=(const FastService&) = delete;
 
   absl::Status Open(const std::string& service_type);
-  std::vector<Request> Take() override;
-  absl::Status Reply(const RequestId& id,
-                     std::span<const uint8_t> bytes) override;
-  int64_t not_understood() const override { return not_understood_; }
-  const std::string& name() const override { return name_; }
 
  private:
+  std::vector<Request> TakeRequests() override;
+  Hearing HearingOf(const RequestId& id) const override;
+  absl::Status Write(const RequestId& id,
+                     std::span<const uint8_t> bytes) override;
   absl::StatusOr<fast::Topic*> MakeTopic(const std::string& topic,
                                          const std::string& type);
-  Hearing HearingOf(const RequestId& id) const;
-  absl::Status Write(const RequestId& id, std::span<const uint8_t> bytes);
 
-  const std::string name_;
   fast::DomainParticipant& participant_;
   ReaderListener requests_listener_;
   WriterListener replies_listener_;
@@ -135,8 +130,6 @@ class FastService final : public dds::Service {
   fast::Topic* reply_topic_ = nullptr;
   fast::DataReader* reader_ = nullptr;
   fast::DataWriter* writer_ = nullptr;
-  dds::KeptReplies kept_;
-  int64_t not_understood_ = 0;
 };
 
 absl::StatusOr<fast::Topic*> FastService::MakeTopic(const std::string& topic,
@@ -153,16 +146,16 @@ absl::StatusOr<fast::Topic*> FastService::MakeTopic(const std::string& topic,
 absl::Status FastService::Open(const std::string& service_type) {
   TL_ASSIGN_OR_RETURN(
       request_topic_,
-      MakeTopic(dds::DdsRequestTopicName(name_),
+      MakeTopic(dds::DdsRequestTopicName(name()),
                 dds::DdsTypeName(absl::StrCat(service_type, "_Request"))));
   TL_ASSIGN_OR_RETURN(
       reply_topic_,
-      MakeTopic(dds::DdsReplyTopicName(name_),
+      MakeTopic(dds::DdsReplyTopicName(name()),
                 dds::DdsTypeName(absl::StrCat(service_type, "_Response"))));
   subscriber_ = participant_.create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   publisher_ = participant_.create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   if (subscriber_ == nullptr || publisher_ == nullptr) {
-    return absl::UnavailableError("Fast DDS: " + name_);
+    return absl::UnavailableError("Fast DDS: " + name());
   }
   fast::DataWriterQos writer_qos = fast::DATAWRITER_QOS_DEFAULT;
   writer_qos.endpoint().history_memory_policy =
@@ -186,7 +179,7 @@ absl::Status FastService::Open(const std::string& service_type) {
       request_topic_, reader_qos, &requests_listener_,
       fast::StatusMask::subscription_matched());
   if (writer_ == nullptr || reader_ == nullptr) {
-    return absl::UnavailableError("Fast DDS: " + name_);
+    return absl::UnavailableError("Fast DDS: " + name());
   }
   return absl::OkStatus();
 }
@@ -200,12 +193,7 @@ FastService::~FastService() {
   if (reply_topic_ != nullptr) participant_.delete_topic(reply_topic_);
 }
 
-std::vector<Request> FastService::Take() {
-  // Who hears a reply asks again if it is lost.
-  kept_.Send([this](const RequestId& id) { return HearingOf(id); },
-             [this](const RequestId& id, std::span<const uint8_t> bytes) {
-               Write(id, bytes).IgnoreError();
-             });
+std::vector<Request> FastService::TakeRequests() {
   std::vector<Request> requests;
   Bytes bytes;
   fast::SampleInfo info;
@@ -215,7 +203,7 @@ std::vector<Request> FastService::Take() {
     // The reader that the reply is for; ROS 2's clients name it.
     const rtps::GUID_t& reader = info.related_sample_identity.writer_guid();
     if (reader == rtps::GUID_t::unknown()) {
-      ++not_understood_;
+      CountNotUnderstood();
       continue;
     }
     requests.push_back(
@@ -225,7 +213,7 @@ std::vector<Request> FastService::Take() {
   return requests;
 }
 
-Hearing FastService::HearingOf(const RequestId& id) const {
+dds::KeepingService::Hearing FastService::HearingOf(const RequestId& id) const {
   const rtps::GUID_t reader = GuidOf(id);
   if (replies_listener_.readers.Any(
           [&](const rtps::GUID_t& guid) { return guid == reader; })) {
@@ -241,9 +229,6 @@ Hearing FastService::HearingOf(const RequestId& id) const {
 
 absl::Status FastService::Write(const RequestId& id,
                                 std::span<const uint8_t> bytes) {
-  if (bytes.size() < 4) {
-    return absl::InvalidArgumentError("a reply without its encoding");
-  }
   Bytes reply(bytes.begin(), bytes.end());
   rtps::WriteParams parameters;
   parameters.related_sample_identity().writer_guid(GuidOf(id));
@@ -251,22 +236,8 @@ absl::Status FastService::Write(const RequestId& id,
       rtps::SequenceNumber_t(static_cast<int32_t>(id.sequence >> 32),
                              static_cast<uint32_t>(id.sequence));
   if (!writer_->write(&reply, parameters)) {
-    return absl::UnavailableError("Fast DDS: replying for " + name_);
+    return absl::UnavailableError("Fast DDS: replying for " + name());
   }
-  return absl::OkStatus();
-}
-
-absl::Status FastService::Reply(const RequestId& id,
-                                std::span<const uint8_t> bytes) {
-  switch (HearingOf(id)) {
-    case Hearing::kHears:
-      return Write(id, bytes);
-    case Hearing::kGone:
-      return absl::OkStatus();
-    case Hearing::kNotYet:
-      break;
-  }
-  kept_.Keep(id, bytes);
   return absl::OkStatus();
 }
 
