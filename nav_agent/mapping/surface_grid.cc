@@ -175,8 +175,8 @@ void SurfaceGrid::BuildPyramid(int levels) {
         const uint8_t* from =
             &below[static_cast<size_t>(rows_begin + y) * width];
         uint8_t* to = &wide[static_cast<size_t>(y) * columns];
-        const size_t paired =
-            std::min(columns, width - static_cast<size_t>(left + step));
+        const size_t paired = std::min(
+            columns, width - std::min(width, static_cast<size_t>(left + step)));
         WriteLarger(from + left, from + left + step, to, paired);
         std::copy(from + left + paired, from + left + columns, to + paired);
       }
