@@ -17,8 +17,6 @@ namespace {
 
 using Bytes = std::vector<uint8_t>;
 using dds::Request;
-constexpr char kName[] = "/robot1/ask";
-constexpr char kType[] = "test_msgs/srv/Ask";
 
 class FastServicesTest : public dds::ServiceTest {
  protected:
