@@ -20,7 +20,7 @@ namespace treeline::repository {
 
 struct IndexKey {
   struct Deleter {
-    void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
+    void operator()(EVP_PKEY* owned) const { EVP_PKEY_free(owned); }
   };
   std::unique_ptr<EVP_PKEY, Deleter> key;
 };

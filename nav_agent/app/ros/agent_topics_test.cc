@@ -110,7 +110,7 @@ class AgentTopicsTest : public ::testing::Test {
     return robot_->WaitUntilKnown({});
   }
 
-  const base::SteadyClock real_clock_;
+  const base::SteadyClock real_clock_{};
   RosRobotConfig config_;
   absl::Mutex mutex_;
   std::string warnings_ ABSL_GUARDED_BY(mutex_);
