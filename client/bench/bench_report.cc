@@ -50,6 +50,8 @@ Json ServerJson(const ServerSplit& server) {
           {"sample_ms", HistogramJson(server.sample)},
           {"forest_ms", HistogramJson(server.forest)},
           {"pose_ms", HistogramJson(server.pose)},
+          {"features_ms", HistogramJson(server.features)},
+          {"verify_ms", HistogramJson(server.verify)},
           {"localize_ms", HistogramJson(server.localize)},
           {"total_ms", HistogramJson(server.total)},
           {"outside_ms", HistogramJson(server.outside)},
@@ -267,6 +269,8 @@ std::string RunText(const LoadRun& run,
   AppendHistogram(text, "sample", tally.server.sample);
   AppendHistogram(text, "forest", tally.server.forest);
   AppendHistogram(text, "pose", tally.server.pose);
+  AppendHistogram(text, "  features", tally.server.features);
+  AppendHistogram(text, "  verification", tally.server.verify);
   AppendHistogram(text, "outside it", tally.server.outside);
   AppendOutcomes(text, tally);
   AppendChecks(text, tally.checks);

@@ -58,9 +58,10 @@ OutcomeKey KeyOf(const Json& json) {
 
 // The histograms of a split, in one order.
 constexpr LatencyHistogram ServerSplit::*kSplit[] = {
-    &ServerSplit::queue,  &ServerSplit::decode,  &ServerSplit::sample,
-    &ServerSplit::forest, &ServerSplit::pose,    &ServerSplit::localize,
-    &ServerSplit::total,  &ServerSplit::outside, &ServerSplit::overhead};
+    &ServerSplit::queue,    &ServerSplit::decode,  &ServerSplit::sample,
+    &ServerSplit::forest,   &ServerSplit::pose,    &ServerSplit::localize,
+    &ServerSplit::total,    &ServerSplit::outside, &ServerSplit::overhead,
+    &ServerSplit::features, &ServerSplit::verify};
 constexpr int64_t Checks::*kChecks[] = {
     &Checks::as_before_load,     &Checks::as_first_under_load,
     &Checks::first_of_a_version, &Checks::different,

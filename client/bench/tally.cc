@@ -19,6 +19,8 @@ void AddSplit(const CallResult& result, ServerSplit& server) {
   server.sample.Add(timings.sample_ms());
   server.forest.Add(timings.forest_ms());
   server.pose.Add(timings.pose_ms());
+  server.features.Add(timings.features_ms());
+  server.verify.Add(timings.verify_ms());
   server.localize.Add(timings.localize_ms());
   server.total.Add(timings.total_ms());
   server.outside.Add(result.from_send_ms - timings.total_ms());

@@ -58,6 +58,8 @@ struct Latencies {
 // Where the server's time went, and what is left of the round trip.
 struct ServerSplit {
   LatencyHistogram queue, decode, sample, forest, pose, localize, total;
+  // Parts of `pose`.
+  LatencyHistogram features, verify;
   // From sending to the answer, without the server's total: the wire, gRPC,
   // and this client.
   LatencyHistogram outside;

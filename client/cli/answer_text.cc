@@ -26,9 +26,10 @@ Json PoseJson(const geometry::Rigid3& pose) {
 Json VectorJson(geometry::Vec3 v) { return {v.x, v.y, v.z}; }
 
 Json TimingsJson(const relocalizer::ServerTimings& t) {
-  return {{"queue_ms", t.queue_ms},   {"decode_ms", t.decode_ms},
-          {"sample_ms", t.sample_ms}, {"forest_ms", t.forest_ms},
-          {"pose_ms", t.pose_ms},     {"localize_ms", t.localize_ms},
+  return {{"queue_ms", t.queue_ms},       {"decode_ms", t.decode_ms},
+          {"sample_ms", t.sample_ms},     {"forest_ms", t.forest_ms},
+          {"pose_ms", t.pose_ms},         {"localize_ms", t.localize_ms},
+          {"features_ms", t.features_ms}, {"verify_ms", t.verify_ms},
           {"total_ms", t.total_ms}};
 }
 

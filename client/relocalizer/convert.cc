@@ -57,7 +57,9 @@ ServerTimings TimingsFromProto(const v1::Timings& timings) {
           .forest_ms = timings.forest_ms(),
           .pose_ms = timings.pose_ms(),
           .localize_ms = timings.localize_ms(),
-          .total_ms = timings.total_ms()};
+          .total_ms = timings.total_ms(),
+          .features_ms = timings.features_ms(),
+          .verify_ms = timings.verify_ms()};
 }
 
 absl::StatusOr<ModelDescription> ModelFromProto(const v1::ModelInfo& info) {

@@ -55,6 +55,9 @@ struct ServerTimings {
   double localize_ms = 0;
   // From the arrival of the request to its answer.
   double total_ms = 0;
+  // Parts of pose_ms: features found and matched; the pose verified.
+  double features_ms = 0;
+  double verify_ms = 0;
 };
 
 // A scene that the server considered, if it was to choose one.

@@ -110,6 +110,8 @@ Json Stages(const FrameResult& result) {
   return {{"sample_ms", Number(timings.sample_ms)},
           {"forest_ms", Number(timings.forest_ms)},
           {"pose_ms", Number(timings.pose_ms)},
+          {"features_ms", Number(timings.features_ms)},
+          {"verify_ms", Number(timings.verify_ms)},
           {"total_ms", Number(timings.total_ms)}};
 }
 

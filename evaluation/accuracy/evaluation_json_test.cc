@@ -19,8 +19,12 @@ FrameResult LocalizedFrame() {
   FrameResult result;
   result.stem = "seq-01/frame-000001";
   result.estimate = tools::LocalizedAt({{0.5, 0.5, 0.5, 0.5}, {1, 2, 3}});
-  result.estimate.timings = {
-      .sample_ms = 0.25, .forest_ms = 1.5, .pose_ms = 0.75, .total_ms = 2.5};
+  result.estimate.timings = {.sample_ms = 0.25,
+                             .forest_ms = 1.5,
+                             .pose_ms = 0.75,
+                             .total_ms = 2.5,
+                             .features_ms = 0.5,
+                             .verify_ms = 0.125};
   result.true_world_from_camera = geometry::Rigid3{};
   result.error = geometry::PoseError{0.03, 0.017453292519943295};
   result.latency_ms = 2.625;
@@ -165,10 +169,9 @@ TEST(EvaluationJson, DescribesALocalizedFrame) {
   EXPECT_EQ(frame["latency_ms"], 2.625);
   EXPECT_EQ(frame["cpu_ms"], 2.375);
   EXPECT_EQ(frame["decode_ms"], 4.5);
-  const Json stages = {{"sample_ms", 0.25},
-                       {"forest_ms", 1.5},
-                       {"pose_ms", 0.75},
-                       {"total_ms", 2.5}};
+  const Json stages = {{"sample_ms", 0.25},  {"forest_ms", 1.5},
+                       {"pose_ms", 0.75},    {"features_ms", 0.5},
+                       {"verify_ms", 0.125}, {"total_ms", 2.5}};
   EXPECT_EQ(frame["stages"], stages);
 }
 

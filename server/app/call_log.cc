@@ -37,7 +37,9 @@ void AddOutcome(const service::CallRecord& record, logging::LogLine& event) {
       .Number("decode_ms", t.decode_ms)
       .Number("sample_ms", t.localize.sample_ms)
       .Number("forest_ms", t.localize.forest_ms)
-      .Number("pose_ms", t.localize.pose_ms);
+      .Number("pose_ms", t.localize.pose_ms)
+      .Number("features_ms", t.localize.features_ms)
+      .Number("verify_ms", t.localize.verify_ms);
 }
 
 }  // namespace

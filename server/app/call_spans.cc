@@ -124,18 +124,23 @@ Span CallSpan(const service::CallRecord& record, WallTime end) {
 std::vector<Span> SpansOf(const service::CallRecord& record, WallTime end,
                           tracing::Tracer& tracer) {
   std::vector<Span> spans{CallSpan(record, end)};
-  WallTime at = spans.front().start;
-  const auto stage = [&](const char* name, double ms) {
+  const auto add = [&](const char* name, const std::string& parent_span_id,
+                       WallTime from, WallTime to) {
     Span span;
     span.context = tracer.Begin(record.span);
     span.context.sampled = record.span->sampled;
-    span.parent_span_id = record.span->span_id;
+    span.parent_span_id = parent_span_id;
     span.name = name;
-    span.start = at;
+    span.start = from;
+    span.end = to;
+    spans.push_back(std::move(span));
+  };
+  WallTime at = spans.front().start;
+  const auto stage = [&](const char* name, double ms) {
+    const WallTime from = at;
     // Clocks are read one after the other: no stage outlasts its call.
     at = std::min(end, at + Milliseconds(ms));
-    span.end = at;
-    spans.push_back(std::move(span));
+    add(name, record.span->span_id, from, at);
   };
   const service::CallTimings& t = record.timings;
   if (t.queue_ms > 0) stage("queue", t.queue_ms);
@@ -144,6 +149,17 @@ std::vector<Span> SpansOf(const service::CallRecord& record, WallTime end,
   stage("sample", t.localize.sample_ms);
   stage("forest", t.localize.forest_ms);
   stage("pose", t.localize.pose_ms);
+  // Of the pose: features come first, and verification last.
+  const Span pose = spans.back();
+  if (t.localize.features_ms > 0) {
+    add("features", pose.context.span_id, pose.start,
+        std::min(pose.end, pose.start + Milliseconds(t.localize.features_ms)));
+  }
+  if (t.localize.verify_ms > 0) {
+    add("verify", pose.context.span_id,
+        std::max(pose.start, pose.end - Milliseconds(t.localize.verify_ms)),
+        pose.end);
+  }
   return spans;
 }
 

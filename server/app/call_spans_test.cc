@@ -47,6 +47,8 @@ service::CallRecord Localized() {
   record.timings.localize.sample_ms = 2;
   record.timings.localize.forest_ms = 8;
   record.timings.localize.pose_ms = 16;
+  record.timings.localize.features_ms = 5;
+  record.timings.localize.verify_ms = 7;
   record.timings.total_ms = 32;
   return record;
 }
@@ -77,7 +79,7 @@ class CallSpansTest : public testing::Test {
 
 TEST_F(CallSpansTest, ACallIsASpanAndEachStageAChild) {
   const std::vector<Span> spans = Of(Localized());
-  ASSERT_EQ(spans.size(), 6u);
+  ASSERT_EQ(spans.size(), 8u);
   const Span& call = spans[0];
   EXPECT_EQ(call.name, "treeline.v1.RelocalizationService/Localize");
   EXPECT_EQ(call.kind, tracing::SpanKind::kServer);
@@ -88,7 +90,7 @@ TEST_F(CallSpansTest, ACallIsASpanAndEachStageAChild) {
   EXPECT_FALSE(call.is_error);
   std::vector<std::string> names;
   tracing::WallTime at = call.start;
-  for (size_t i = 1; i < spans.size(); ++i) {
+  for (size_t i = 1; i < 6; ++i) {
     names.push_back(spans[i].name);
     EXPECT_EQ(spans[i].parent_span_id, call.context.span_id);
     EXPECT_EQ(spans[i].context.trace_id, call.context.trace_id);
@@ -98,6 +100,28 @@ TEST_F(CallSpansTest, ACallIsASpanAndEachStageAChild) {
   EXPECT_THAT(names,
               ElementsAre("queue", "decode", "sample", "forest", "pose"));
   EXPECT_EQ(at, call.start + milliseconds(31));
+}
+
+TEST_F(CallSpansTest, APosesPartsAreItsChildren) {
+  service::CallRecord record = Localized();
+  std::vector<Span> spans = Of(record);
+  ASSERT_EQ(spans.size(), 8u);
+  const Span pose = spans[5];
+  EXPECT_EQ(spans[6].name, "features");
+  EXPECT_EQ(spans[6].parent_span_id, pose.context.span_id);
+  EXPECT_EQ(spans[6].start, pose.start);
+  EXPECT_EQ(spans[6].end, pose.start + milliseconds(5));
+  EXPECT_EQ(spans[7].name, "verify");
+  EXPECT_EQ(spans[7].parent_span_id, pose.context.span_id);
+  EXPECT_EQ(spans[7].start, pose.end - milliseconds(7));
+  EXPECT_EQ(spans[7].end, pose.end);
+  // No part outlasts its pose, and what did not happen is no span.
+  record.timings.localize.features_ms = 0;
+  record.timings.localize.verify_ms = 100;
+  spans = Of(record);
+  ASSERT_EQ(spans.size(), 7u);
+  EXPECT_EQ(spans[6].name, "verify");
+  EXPECT_EQ(spans[6].start, spans[5].start);
 }
 
 TEST_F(CallSpansTest, AttributesAreThoseOfOpenTelemetry) {

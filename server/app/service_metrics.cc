@@ -174,6 +174,8 @@ void ServiceMetrics::CountStages(const service::CallRecord& record) {
   count("sample", t.localize.sample_ms);
   count("forest", t.localize.forest_ms);
   count("pose", t.localize.pose_ms);
+  count("features", t.localize.features_ms);
+  count("verify", t.localize.verify_ms);
 }
 
 void AddLoadMetrics(metrics::Registry& registry,

@@ -113,7 +113,8 @@ TEST_F(ServiceMetricsTest, AnAnswerIsCountedInAllItsAspects) {
   EXPECT_EQ(at("treeline_inlier_ratio_sum{scene=kitchen}"), 0.4);
   EXPECT_EQ(at("treeline_confidence_sum{scene=kitchen}"), 0.97);
   EXPECT_EQ(at("treeline_request_bytes_total"), 1000);
-  for (const char* stage : {"queue", "decode", "sample", "forest", "pose"}) {
+  for (const char* stage :
+       {"queue", "decode", "sample", "forest", "pose", "features", "verify"}) {
     EXPECT_EQ(at(absl::StrCat("treeline_stage_seconds_count{method=rgbd,stage=",
                               stage, ",status=OK}")),
               1)

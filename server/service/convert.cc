@@ -64,6 +64,8 @@ v1::Timings ToProto(const CallTimings& timings) {
   proto.set_sample_ms(timings.localize.sample_ms);
   proto.set_forest_ms(timings.localize.forest_ms);
   proto.set_pose_ms(timings.localize.pose_ms);
+  proto.set_features_ms(timings.localize.features_ms);
+  proto.set_verify_ms(timings.localize.verify_ms);
   proto.set_localize_ms(timings.localize.total_ms);
   proto.set_total_ms(timings.total_ms);
   return proto;

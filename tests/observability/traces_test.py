@@ -158,6 +158,7 @@ class OneTrace(Traced):
             self.check_nested(answered, stage)
             self.assertGreaterEqual(stage.start, at)
             at = stage.end
+        self.check_nested(one(spans, "pose"), one(spans, "verify"))
         for span in (asked, answered):
             self.assertEqual(span.status, {})
             self.assertEqual(span.attributes["rpc.system"], "grpc")

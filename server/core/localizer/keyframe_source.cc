@@ -38,6 +38,7 @@ std::vector<size_t> KeyframeSource::Choose(
 absl::StatusOr<size_t> KeyframeSource::Observe(
     Query& query, std::span<const Candidate> earlier,
     RayObservations& seen) const {
+  const StageTimer timer(query.timings().features_ms);
   TL_ASSIGN_OR_RETURN(const features::SiftFeatures* const features,
                       query.keyframe_features(map_->sift_kind()));
   pose::RayPredictions& scene = seen.scene;

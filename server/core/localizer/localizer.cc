@@ -40,6 +40,8 @@ void Add(const LocalizeTimings& more, LocalizeTimings& sums) {
   sums.forest_ms += more.forest_ms;
   sums.pose_ms += more.pose_ms;
   sums.total_ms += more.total_ms;
+  sums.features_ms += more.features_ms;
+  sums.verify_ms += more.verify_ms;
 }
 
 bool IsBetter(const PoseEstimate& a, const PoseEstimate& b) {

@@ -45,6 +45,9 @@ struct LocalizeTimings {
   double forest_ms = 0;  // descriptors and scene coordinates
   double pose_ms = 0;    // hypotheses to verification
   double total_ms = 0;
+  // Parts of pose_ms.
+  double features_ms = 0;  // finding features, matching them to keyframes
+  double verify_ms = 0;    // alignment to keyframes, evidence, confidence
 };
 
 // Sets total_ms, and pose_ms to what the other stages leave of it.

@@ -32,6 +32,7 @@ class Search {
   // Whether the candidate has a pose; one without is passed over.
   bool Verify(size_t i) {
     if (!candidates_[i].pose) return false;
+    const StageTimer timer(query_.timings().verify_ms);
     Verdict verdict = verifier_.Verify(query_, candidates_[i]);
     last_ = verdict;
     if (verdict.is_believed() &&
@@ -78,6 +79,7 @@ class Search {
   // What depth has to be taken times, by the last candidate's pose; 1: it may
   // well be right. nullopt: nothing explains it.
   std::optional<double> DepthScale() const {
+    const StageTimer timer(query_.timings().verify_ms);
     const std::optional<keyframes::DepthScale> measured =
         verifier_.MeasureDepth(query_,
                                candidates_.back().pose->world_from_camera);
