@@ -6,6 +6,8 @@
 #include "common/base/random.h"
 #include "server/core/features/blob_picture.h"
 #include "server/core/features/fast_sift.h"
+#include "server/core/features/gray_pyramid.h"
+#include "server/core/features/line_segment_detector.h"
 #include "server/core/features/sift_extractor.h"
 #include "server/core/features/sift_matching.h"
 
@@ -40,6 +42,18 @@ void BM_ExtractSift(benchmark::State& state) {
   state.counters["features"] = static_cast<double>(count);
 }
 BENCHMARK(BM_ExtractSift)->Arg(320)->Arg(640)->Unit(benchmark::kMillisecond);
+
+void BM_FindLineSegments(benchmark::State& state) {
+  GrayPyramid pyramid;
+  pyramid.Assign(PlanarImage(Picture(static_cast<int>(state.range(0)))));
+  size_t count = 0;
+  for (auto _ : state) count = FindLineSegments(pyramid.level(0)).size();
+  state.counters["segments"] = static_cast<double>(count);
+}
+BENCHMARK(BM_FindLineSegments)
+    ->Arg(320)
+    ->Arg(640)
+    ->Unit(benchmark::kMillisecond);
 
 void BM_FindNearestSift(benchmark::State& state) {
   base::Random random(1, 0);

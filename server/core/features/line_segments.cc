@@ -6,8 +6,6 @@
 #include <numeric>
 #include <optional>
 
-#include "opencv2/core.hpp"
-#include "opencv2/imgproc.hpp"
 #include "server/core/features/parameters.h"
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
@@ -229,34 +227,18 @@ void LinePoints::clear() {
 
 std::vector<LineSegment> DetectLineSegments(const GrayPyramid& pyramid,
                                             const LineOptions& options) {
-  const GrayPyramid::Level& level = pyramid.level(options.level);
-  std::vector<LineSegment> segments;
-  if (std::min(level.width, level.height) < kMinLsdSide_px) return segments;
-  std::vector<cv::Vec4f> found;
-  try {
-    // OpenCV takes no constant data, but does not write to it.
-    const cv::Mat gray(level.height, level.width, CV_8UC1,
-                       const_cast<uint8_t*>(level.gray.data()));
-    cv::createLineSegmentDetector(cv::LSD_REFINE_STD, kLsdScale)
-        ->detect(gray, found);
-  } catch (const cv::Exception&) {
-    return segments;
-  }
-  // OpenCV adds half a pixel for LSD's 2 x 2 gradients, and divides by the
-  // scale; what that leaves of the shift between the two pixel grids is ours.
-  const double shift = 0.5 / kLsdScale - 0.5;
   const double factor = 1 << options.level;
-  const auto to_level_0 = [&](float position) {
-    return (static_cast<double>(position) + shift + 0.5) * factor - 0.5;
+  const auto at_level_0 = [&](camera::Pixel p) -> camera::Pixel {
+    return {(p.x + 0.5) * factor - 0.5, (p.y + 0.5) * factor - 0.5};
   };
   struct Candidate {
     double length_px;
     LineSegment segment;
   };
   std::vector<Candidate> candidates;
-  for (const cv::Vec4f& f : found) {
-    const LineSegment s{{to_level_0(f[0]), to_level_0(f[1])},
-                        {to_level_0(f[2]), to_level_0(f[3])}};
+  for (const LineSegment& found :
+       FindLineSegments(pyramid.level(options.level))) {
+    const LineSegment s{at_level_0(found.a), at_level_0(found.b)};
     const double length_px = std::hypot(s.b.x - s.a.x, s.b.y - s.a.y);
     if (length_px >= options.min_length_px)
       candidates.push_back({length_px, s});
@@ -265,6 +247,7 @@ std::vector<LineSegment> DetectLineSegments(const GrayPyramid& pyramid,
                            [](const Candidate& a, const Candidate& b) {
                              return a.length_px > b.length_px;
                            });
+  std::vector<LineSegment> segments;
   const size_t kept =
       std::min(candidates.size(), static_cast<size_t>(options.max_segments));
   for (size_t i = 0; i < kept; ++i) segments.push_back(candidates[i].segment);

@@ -9,15 +9,10 @@
 #include "common/base/random.h"
 #include "common/image/image.h"
 #include "server/core/features/gray_pyramid.h"
+#include "server/core/features/line_segment_detector.h"
 #include "server/core/features/rgbd_samples.h"
 
 namespace treeline::features {
-
-// Where brightness jumps along a straight line, in pixels of level 0.
-struct LineSegment {
-  camera::Pixel a;
-  camera::Pixel b;
-};
 
 struct LineOptions {
   // Level of the pyramid that segments are looked for in, in [0, 3]. Each level
@@ -53,10 +48,8 @@ struct LinePoints {
   void clear();
 };
 
-// Segments of at least min_length_px, longest first, at most max_segments:
-// LSD (von Gioi et al., "LSD: a Line Segment Detector", IPOL 2012) as OpenCV
-// has it, with its usual downscaling by 0.8. Empty for images that are too
-// small for it.
+// Segments of at least min_length_px (px of level 0), longest first, at most
+// max_segments; see FindLineSegments.
 std::vector<LineSegment> DetectLineSegments(const GrayPyramid& pyramid,
                                             const LineOptions& options);
 

@@ -48,7 +48,7 @@ inline constexpr base::Parameter<int> kMinLsdSide_px{
     .value = 8,
     .unit = "px",
     .origin = base::ParameterOrigin::kPhysics,
-    .why = "LSD's regions need a few pixels; OpenCV's fails on less"};
+    .why = "LSD's regions need a few pixels"};
 inline constexpr base::Parameter<int> kDepthRadius_px{
     .name = "depth_radius",
     .value = 2,
