@@ -136,6 +136,11 @@ void LeafFiller::AddToNearest(geometry::Vec3 point,
   }
   const Mode own(GrownLeaf{point, {}, 1, descriptor});
   if (max_gathered_ == 0 || modes.size() < max_gathered_) {
+    // No room for more than may come.
+    if (max_gathered_ > 0 && modes.size() == modes.capacity()) {
+      modes.reserve(
+          std::min(max_gathered_, std::max<size_t>(1, 2 * modes.size())));
+    }
     modes.push_back(own);
     return;
   }

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -43,6 +44,8 @@ using learning::LiveFrame;
 
 constexpr const char* kStandardInput = "-";
 constexpr double kMillimetre_m = 0.001;
+// The first model so far comes no later than this (s).
+constexpr double kFirstModel_s = 1;
 
 // Does one thing at a time, beside the frames.
 class Background {
@@ -238,7 +241,7 @@ class LiveRun {
       return NothingLearnt(counts);
     }
     // The answer shall not wait for more trials, unless nothing hurries.
-    if (!waits) stop_trials_.request_stop();
+    if (!waits || stop.stop_requested()) stop_trials_.request_stop();
     background_.Wait();
     CollectTrials();
     TL_ASSIGN_OR_RETURN(training::LiveModel model, learner_->Finish());
@@ -292,8 +295,11 @@ class LiveRun {
 
   // The model so far, in the place where the complete one will be.
   void PublishIfDue() {
-    if (base::SecondsBetween(last_published_, clock_.Now()) <
-            options_.live.publish_every_s ||
+    const double every_s =
+        shown_.empty()
+            ? std::min(options_.live.publish_every_s, kFirstModel_s)
+            : options_.live.publish_every_s;
+    if (base::SecondsBetween(last_published_, clock_.Now()) < every_s ||
         !background_.IsIdle()) {
       return;
     }
@@ -352,12 +358,16 @@ class LiveRun {
                    static_cast<int>(counts.unreadable),
                    std::string(counts.first_unreadable.message()).c_str());
     }
-    const double seconds =
-        base::SecondsBetween(start_, clock_.Now()) - seconds_after;
+    // Without a pace there is no last moment to count from.
+    const std::string after =
+        options_.live.rate_hz > 0
+            ? absl::StrFormat(" %.2f s after the last frame", seconds_after)
+            : "";
     absl::PrintF(
-        "%s: complete %.2f s after the last frame\n"
+        "%s: complete%s\n"
         "%d frames in %.1f s, %d skipped; %d keyframes; peak memory %.0f MiB\n",
-        path_, seconds_after, learner_->frames(), seconds, counts.skipped,
+        path_, after, learner_->frames(),
+        base::SecondsBetween(start_, clock_.Now()), counts.skipped,
         learner_->keyframes(),
         static_cast<double>(tools::PeakMemoryBytes()) / (1 << 20));
     if (model.asked == 0) {
@@ -431,7 +441,7 @@ absl::Status LearnLive(const LearnOptions& given, const std::stop_token& stop) {
                            .software_version = base::Version(),
                            .created_utc = tools::UtcNow(),
                            .dataset = source.name,
-                           .recorded_options = RecordedLiveOptions(options)}));
+                           .recorded_options = RecordedLiveOptions(given)}));
   TL_ASSIGN_OR_RETURN(const std::string path,
                       tools::NextModelPath(options.repository, options.scene));
   LiveRun run(options, std::move(source), std::move(learner), path);
