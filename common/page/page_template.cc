@@ -2,20 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <system_error>
-#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/file.h"
+#include "common/base/installed_file.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::page {
 namespace {
-
-namespace fs = std::filesystem;
 
 // A JSON text, so that the template's data is valid before it is filled in.
 constexpr absl::string_view kPlace = "\"@REPORT_DATA@\"";
@@ -26,18 +22,7 @@ constexpr uint64_t kMaxTemplateBytes = uint64_t{64} << 20;
 
 std::string FindPageTemplate(const std::string& file_name,
                              const std::string& source_place) {
-  std::error_code error;
-  std::vector<fs::path> places;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    places.push_back(program.parent_path().parent_path() / "share/treeline" /
-                     file_name);
-  }
-  places.emplace_back(source_place);
-  for (const fs::path& place : places) {
-    if (fs::is_regular_file(place, error)) return place.string();
-  }
-  return "";
+  return base::FindInstalledFile(file_name, source_place);
 }
 
 absl::StatusOr<std::string> FillPageTemplate(absl::string_view page,

@@ -49,4 +49,12 @@ absl::StatusOr<std::string> NextModelPath(const std::string& repository,
   return path;
 }
 
+void RemoveEmptyVersion(const std::string& model_path) {
+  std::error_code ignored;
+  const std::filesystem::path version =
+      std::filesystem::path(model_path).parent_path();
+  std::filesystem::remove(version, ignored);
+  std::filesystem::remove(version.parent_path(), ignored);
+}
+
 }  // namespace treeline::tools

@@ -19,6 +19,10 @@ absl::StatusOr<std::string> SceneOfMapBundle(const std::string& folder);
 absl::StatusOr<std::string> NextModelPath(const std::string& repository,
                                           const std::string& scene);
 
+// Removes the folders that NextModelPath made, where no model came to lie there
+// after all.
+void RemoveEmptyVersion(const std::string& model_path);
+
 }  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_TRAINING_PLACE_H_

@@ -167,13 +167,19 @@ class FrameTrials {
 
 }  // namespace
 
+FrameRole RoleOf(size_t i) {
+  const size_t phase = i % kPeriod;
+  if (IsLearnt(phase)) return FrameRole::kLearnt;
+  return IsHeldOut(phase) ? FrameRole::kHeldOut : FrameRole::kGap;
+}
+
 HeldOutSplit SplitForConfidence(std::span<const int> frames) {
   HeldOutSplit split;
   for (size_t i = 0; i < frames.size(); ++i) {
-    const size_t phase = i % kPeriod;
-    if (frames.size() < kMinFrames || IsLearnt(phase)) {
+    const FrameRole role = RoleOf(i);
+    if (frames.size() < kMinFrames || role == FrameRole::kLearnt) {
       split.train.push_back(frames[i]);
-    } else if (IsHeldOut(phase)) {
+    } else if (role == FrameRole::kHeldOut) {
       split.held_out.push_back(frames[i]);
     }
   }
@@ -268,6 +274,16 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   return model;
 }
 
+absl::StatusOr<std::vector<ConfidenceTrial>> RunTrialsOfFrame(
+    const localizer::Localizer& localizer, const image::Frame& frame,
+    const image::Frame& other, const geometry::Rigid3& world_from_sensor,
+    const ConfidenceOptions& options, uint64_t number) {
+  FrameTrials trials(localizer, world_from_sensor, options, number);
+  TL_RETURN_IF_ERROR(trials.Run(
+      frame, other, localizer.depth_use() == localizer::DepthUse::kWhereGiven));
+  return std::move(trials.trials());
+}
+
 absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
     const localizer::Localizer& localizer, const dataset::Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
@@ -291,16 +307,12 @@ absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
     TL_ASSIGN_OR_RETURN(const image::Frame other,
                         held_out.Load(chosen[(k + count / 2) % count]));
     const camera::RgbdCalibration& calibration = localizer.info().calibration;
-    FrameTrials trials(
-        localizer,
+    return RunTrialsOfFrame(
+        localizer, frame, other,
         camera::PoseOfSensor(*held_out.frame(i).world_from_camera,
                              held_out.calibration().pose_sensor,
                              calibration.pose_sensor, calibration),
         options, static_cast<uint64_t>(i));
-    TL_RETURN_IF_ERROR(
-        trials.Run(frame, other,
-                   localizer.depth_use() == localizer::DepthUse::kWhereGiven));
-    return std::move(trials.trials());
   };
   {
     base::Progress progress("calibrating confidence",

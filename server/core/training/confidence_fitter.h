@@ -67,6 +67,14 @@ struct ConfidenceOptions {
   std::function<void(std::span<const ConfidenceTrial>)> on_trials = {};
 };
 
+// Lets `localizer` answer one frame of which the localizer's pose sensor is at
+// `world_from_sensor`, as RunConfidenceTrials does; `other` covers it. A random
+// draw depends on options.seed and `number`. Errors of Localize.
+absl::StatusOr<std::vector<ConfidenceTrial>> RunTrialsOfFrame(
+    const localizer::Localizer& localizer, const image::Frame& frame,
+    const image::Frame& other, const geometry::Rigid3& world_from_sensor,
+    const ConfidenceOptions& options, uint64_t number);
+
 // Lets `localizer` answer frames that it was not trained on, whole and spoilt:
 // covered but for a window with what another frame shows in a mirror, blurred,
 // in another light, without depth where that is answered, too; or mirrored as a
@@ -93,6 +101,10 @@ struct HeldOutSplit {
   std::vector<int> held_out;
 };
 HeldOutSplit SplitForConfidence(std::span<const int> frames);
+
+// What becomes of the i-th frame of a recording that is parted so.
+enum class FrameRole { kLearnt, kGap, kHeldOut };
+FrameRole RoleOf(size_t i);
 
 }  // namespace treeline::training
 

@@ -10,19 +10,13 @@
 #include "common/dataset/dataset.h"
 #include "server/core/forest/forest.h"
 #include "server/core/training/forest_trainer.h"
+#include "server/core/training/leaf_filler.h"
 #include "server/core/training/training_options.h"
 
 namespace treeline::training {
 
-enum class Refill {
-  kExtend,  // leaves keep what they know: more frames of the same scene
-  kAdapt    // leaves forget: another scene
-};
-
 // Sends the samples of every frame of `dataset` that has a pose and depth down
-// the trees of `base`, and gathers them in modes: samples of a leaf that lie
-// near each other, each with its mean, covariance and mean descriptor. Leaves
-// that nothing reaches, and the splits above them, are left out.
+// the trees of `base`, and gathers them in modes (see LeafFiller).
 //
 // Of `options`, seed, threads, samples_per_frame and depth_adaptive count. The
 // result does not depend on threads. FAILED_PRECONDITION if no frame is

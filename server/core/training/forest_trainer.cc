@@ -168,7 +168,8 @@ absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
                                 LoadedFrame& loaded) const {
   const dataset::DatasetFrame& entry = dataset_.frame(frame_index);
   TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset_.Load(frame_index));
-  TL_RETURN_IF_ERROR(CheckSizes(entry, frame, geometry_.calibration()));
+  TL_RETURN_IF_ERROR(
+      CheckSizes(entry.color_path, frame, geometry_.calibration()));
   loaded.image.Assign(frame.color);
   const FrameSampler sampler(geometry_, frame, loaded.image,
                              *entry.world_from_camera, options_, frame_index);

@@ -26,8 +26,7 @@ std::vector<int> UsableFrames(const dataset::Dataset& dataset) {
   return usable;
 }
 
-absl::Status CheckSizes(const dataset::DatasetFrame& entry,
-                        const image::Frame& frame,
+absl::Status CheckSizes(absl::string_view name, const image::Frame& frame,
                         const camera::RgbdCalibration& calibration) {
   if (frame.color.width == calibration.color.width() &&
       frame.color.height == calibration.color.height() &&
@@ -36,11 +35,11 @@ absl::Status CheckSizes(const dataset::DatasetFrame& entry,
     return absl::OkStatus();
   }
   return absl::InvalidArgumentError(absl::StrCat(
-      entry.color_path, ": colour ", frame.color.width, " x ",
-      frame.color.height, " and depth ", frame.depth->width, " x ",
-      frame.depth->height, ", but the calibration is for ",
-      calibration.color.width(), " x ", calibration.color.height(), " and ",
-      calibration.depth.width(), " x ", calibration.depth.height()));
+      name, ": colour ", frame.color.width, " x ", frame.color.height,
+      " and depth ", frame.depth->width, " x ", frame.depth->height,
+      ", but the calibration is for ", calibration.color.width(), " x ",
+      calibration.color.height(), " and ", calibration.depth.width(), " x ",
+      calibration.depth.height()));
 }
 
 FrameSampler::FrameSampler(const features::DepthGeometry& geometry,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "common/dataset/dataset.h"
 #include "common/geometry/rigid3.h"
 #include "server/core/features/line_segments.h"
@@ -18,10 +19,9 @@ namespace treeline::training {
 // Frames that have a pose and depth, in ascending order.
 std::vector<int> UsableFrames(const dataset::Dataset& dataset);
 
-// INVALID_ARGUMENT, naming the file, unless the images have the sizes that the
+// INVALID_ARGUMENT, naming the frame, unless the images have the sizes that the
 // calibration is for.
-absl::Status CheckSizes(const dataset::DatasetFrame& entry,
-                        const image::Frame& frame,
+absl::Status CheckSizes(absl::string_view name, const image::Frame& frame,
                         const camera::RgbdCalibration& calibration);
 
 // Draws samples of frame number `frame_index`, of which `image` is the colour:

@@ -9,7 +9,6 @@
 #include "common/base/parallel_for.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
-#include "common/image/depth_registration.h"
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/keyframes/keyframe_features.h"
@@ -43,14 +42,7 @@ std::vector<SelectedFrame> SelectFrames(
         camera::RgbdSensor::kColor, calibration);
     const bool is_far =
         std::ranges::all_of(selected, [&](const SelectedFrame& other) {
-          const double turn =
-              keyframes::kViewDistance_m *
-              geometry::AngleBetween_rad(other.world_from_color.rotation,
-                                         pose.rotation);
-          return geometry::SquaredNorm(other.world_from_color.translation -
-                                       pose.translation) +
-                     turn * turn >
-                 options.spacing_m * options.spacing_m;
+          return AreApart(other.world_from_color, pose, options.spacing_m);
         });
     if (is_far) selected.push_back({i, pose});
   }
@@ -183,30 +175,56 @@ absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
   return features;
 }
 
-// What is kept of one frame.
-struct SelectedParts {
-  absl::Status status;
-  std::vector<keyframes::KeyframePoint> points;
-  std::vector<keyframes::KeyframeFeature> features;
-};
+}  // namespace
 
-absl::Status Select(const dataset::Dataset& dataset,
-                    const SelectedFrame& selected,
-                    const image::DepthRegistrar& registration,
-                    const KeyframeOptions& options, SelectedParts& parts) {
-  TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(selected.frame));
-  const std::vector<geometry::Vec3> in_color =
-      registration.PointsInColor(*frame.depth);
-  parts.points = SelectPoints(frame, selected.world_from_color, registration,
-                              in_color, options.points);
-  TL_ASSIGN_OR_RETURN(
-      parts.features,
-      SelectFeatures(frame, selected.world_from_color, registration, in_color,
-                     options.sift, options.features));
-  return absl::OkStatus();
+bool AreApart(const geometry::Rigid3& world_from_a,
+              const geometry::Rigid3& world_from_b, double spacing_m) {
+  const double turn =
+      keyframes::kViewDistance_m *
+      geometry::AngleBetween_rad(world_from_a.rotation, world_from_b.rotation);
+  return geometry::SquaredNorm(world_from_a.translation -
+                               world_from_b.translation) +
+             turn * turn >
+         spacing_m * spacing_m;
 }
 
-}  // namespace
+absl::StatusOr<KeyframeParts> MakeKeyframe(
+    const image::Frame& frame, const geometry::Rigid3& world_from_color,
+    const image::DepthRegistrar& registration, const KeyframeOptions& options) {
+  const std::vector<geometry::Vec3> in_color =
+      registration.PointsInColor(*frame.depth);
+  KeyframeParts parts;
+  parts.world_from_color = world_from_color;
+  parts.points = SelectPoints(frame, world_from_color, registration, in_color,
+                              options.points);
+  TL_ASSIGN_OR_RETURN(parts.features,
+                      SelectFeatures(frame, world_from_color, registration,
+                                     in_color, options.sift, options.features));
+  return parts;
+}
+
+keyframes::Keyframes JoinKeyframes(
+    std::span<const std::shared_ptr<const KeyframeParts>> parts) {
+  keyframes::Keyframes keyframes;
+  for (const std::shared_ptr<const KeyframeParts>& part : parts) {
+    keyframes::KeyframeRecord record;
+    const geometry::Rigid3& pose = part->world_from_color;
+    record.rotation = {pose.rotation.w, pose.rotation.x, pose.rotation.y,
+                       pose.rotation.z};
+    record.position_in_world = {pose.translation.x, pose.translation.y,
+                                pose.translation.z};
+    record.first_point = static_cast<uint32_t>(keyframes.points.size());
+    record.points = static_cast<uint32_t>(part->points.size());
+    for (keyframes::KeyframeFeature feature : part->features) {
+      feature.keyframe = static_cast<uint32_t>(keyframes.records.size());
+      keyframes.features.push_back(feature);
+    }
+    keyframes.records.push_back(record);
+    keyframes.points.insert(keyframes.points.end(), part->points.begin(),
+                            part->points.end());
+  }
+  return keyframes;
+}
 
 absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
     const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
@@ -214,43 +232,33 @@ absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
   const std::vector<SelectedFrame> selected =
       SelectFrames(dataset, calibration, options);
   const image::DepthRegistrar registration(calibration);
-  std::vector<SelectedParts> parts(selected.size());
+  std::vector<absl::Status> statuses(selected.size());
+  std::vector<std::shared_ptr<const KeyframeParts>> parts(selected.size());
+  const auto make = [&](size_t i) -> absl::Status {
+    TL_ASSIGN_OR_RETURN(const image::Frame frame,
+                        dataset.Load(selected[i].frame));
+    TL_ASSIGN_OR_RETURN(KeyframeParts made,
+                        MakeKeyframe(frame, selected[i].world_from_color,
+                                     registration, options));
+    parts[i] = std::make_shared<const KeyframeParts>(std::move(made));
+    return absl::OkStatus();
+  };
   {
     base::Progress progress("keyframes", static_cast<int64_t>(selected.size()),
                             quiet);
-    base::ParallelFor(
-        static_cast<int64_t>(selected.size()), options.threads, [&](int64_t i) {
-          if (stop.stop_requested()) return;
-          SelectedParts& out = parts[static_cast<size_t>(i)];
-          out.status = Select(dataset, selected[static_cast<size_t>(i)],
-                              registration, options, out);
-          progress.Add(1);
-        });
+    base::ParallelFor(static_cast<int64_t>(selected.size()), options.threads,
+                      [&](int64_t i) {
+                        if (stop.stop_requested()) return;
+                        const size_t slot = static_cast<size_t>(i);
+                        statuses[slot] = make(slot);
+                        progress.Add(1);
+                      });
   }
   if (stop.stop_requested()) {
     return absl::CancelledError("training was interrupted");
   }
-  keyframes::Keyframes keyframes;
-  for (size_t i = 0; i < selected.size(); ++i) {
-    TL_RETURN_IF_ERROR(parts[i].status);
-    const std::vector<keyframes::KeyframePoint>& points = parts[i].points;
-    keyframes::KeyframeRecord record;
-    const geometry::Rigid3& pose = selected[i].world_from_color;
-    record.rotation = {pose.rotation.w, pose.rotation.x, pose.rotation.y,
-                       pose.rotation.z};
-    record.position_in_world = {pose.translation.x, pose.translation.y,
-                                pose.translation.z};
-    record.first_point = static_cast<uint32_t>(keyframes.points.size());
-    record.points = static_cast<uint32_t>(points.size());
-    for (keyframes::KeyframeFeature& feature : parts[i].features) {
-      feature.keyframe = static_cast<uint32_t>(keyframes.records.size());
-      keyframes.features.push_back(feature);
-    }
-    keyframes.records.push_back(record);
-    keyframes.points.insert(keyframes.points.end(), points.begin(),
-                            points.end());
-  }
-  return keyframes;
+  for (const absl::Status& status : statuses) TL_RETURN_IF_ERROR(status);
+  return JoinKeyframes(parts);
 }
 
 }  // namespace treeline::training

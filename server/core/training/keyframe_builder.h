@@ -2,11 +2,15 @@
 #ifndef SERVER_CORE_TRAINING_KEYFRAME_BUILDER_H_
 #define SERVER_CORE_TRAINING_KEYFRAME_BUILDER_H_
 
+#include <memory>
+#include <span>
 #include <stop_token>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/camera/rgbd_calibration.h"
 #include "common/dataset/dataset.h"
+#include "common/image/depth_registration.h"
 #include "server/core/keyframes/keyframe_map.h"
 
 namespace treeline::training {
@@ -26,6 +30,27 @@ struct KeyframeOptions {
   // 0: one a processor.
   int threads = 0;
 };
+
+// What is kept of one frame.
+struct KeyframeParts {
+  geometry::Rigid3 world_from_color;
+  std::vector<keyframes::KeyframePoint> points;
+  // Which keyframe they are of is filled in by JoinKeyframes.
+  std::vector<keyframes::KeyframeFeature> features;
+};
+
+// Of a frame with depth. INTERNAL if OpenCV's SIFT fails.
+absl::StatusOr<KeyframeParts> MakeKeyframe(
+    const image::Frame& frame, const geometry::Rigid3& world_from_color,
+    const image::DepthRegistrar& registration, const KeyframeOptions& options);
+
+// Whether the views are further apart than KeyframeOptions::spacing_m.
+bool AreApart(const geometry::Rigid3& world_from_a,
+              const geometry::Rigid3& world_from_b, double spacing_m);
+
+// In the order given.
+keyframes::Keyframes JoinKeyframes(
+    std::span<const std::shared_ptr<const KeyframeParts>> parts);
 
 // Keyframes of the frames that have depth and a pose. Points stand on the
 // strongest edges of each cell of a grid, where depth is measured and smooth.

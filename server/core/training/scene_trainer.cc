@@ -19,6 +19,7 @@
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
 #include "server/core/training/quantize_forest.h"
+#include "server/core/training/scene_writer.h"
 #include "server/core/training/sift_scene_trainer.h"
 #include "server/core/training/tree_part.h"
 
@@ -113,12 +114,6 @@ std::vector<TrainingOptions> ForestsOf(absl::string_view method,
   TrainingOptions lines = options;
   lines.line_points = true;
   return {options, lines};
-}
-
-template <typename T>
-absl::string_view BytesOf(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()),
-          values.size() * sizeof(T)};
 }
 
 // A scene is learnt twice: what is held out of the first round shows what its
@@ -392,32 +387,11 @@ class SceneTrainer {
   }
 
   absl::Status Write(const Learned& learned, const std::string& path) const {
-    std::vector<forest::ModelExtraBytes> extras = {
-        {forest::ModelExtra::kKeyframes, BytesOf(learned.keyframes.records)},
-        {forest::ModelExtra::kKeyframePoints,
-         BytesOf(learned.keyframes.points)}};
-    if (!learned.keyframes.features.empty()) {
-      extras.push_back({forest::ModelExtra::kKeyframeFeatures,
-                        BytesOf(learned.keyframes.features)});
-    }
-    keyframes::KeyframeWords words;
-    if (!learned.keyframes.features.empty() &&
-        info_.keyframe_sift == features::SiftKind::kFast) {
-      words = keyframes::LearnWords(learned.keyframes.features,
-                                    learned.keyframes.records.size());
-      extras.push_back(
-          {forest::ModelExtra::kKeyframeWords, BytesOf(words.means)});
-      extras.push_back(
-          {forest::ModelExtra::kKeyframeFeatureWords, BytesOf(words.word_of)});
-    }
-    if (!descriptor_.empty()) {
-      extras.push_back({forest::ModelExtra::kSceneDescriptor, descriptor_});
-    }
     std::vector<forest::ForestView> forests;
     for (const TrainedForest& f : learned.forests) {
       forests.push_back(f.forest.View());
     }
-    return forest::WriteModel(path, info_, forests, extras);
+    return WriteScene(path, info_, forests, learned.keyframes, descriptor_);
   }
 
   absl::Status FitConfidenceOn(const Learned& learned,

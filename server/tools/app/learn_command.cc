@@ -5,6 +5,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "server/tools/app/capture_flags.h"
+#include "server/tools/app/learn_live.h"
 #include "server/tools/app/learn_run.h"
 
 namespace treeline::tools_app {
@@ -40,7 +41,21 @@ Poses are needed. A recording with depth and without poses gets them from
   treeline-agent map --rgbd tum:DIR --output map
   treeline learn map
 
+Learning while frames arrive (--live): a recording is played at its pace, or
+another program names frames on standard input, a line each,
+  COLOR DEPTH tx ty tz qx qy qz qw
+two picture files and the pose, world from camera (m, quaternion). Trees are
+those of a base, their leaves are filled, views and features are added: steps 1,
+4, 5 and 6 and the page fall away. The version in the repository has the model so
+far, renewed as it grows (a server with --poll-s 1 takes it), and the complete
+one about a second after the last frame. Ctrl-C ends the frames and keeps the
+model. Where frames come faster than they are learnt, some are skipped and
+counted. How sure the model may be of its answers it learns from blocks of frames
+that it is asked about before it learns them.
+
 Examples:
+  treeline learn --live 7scenes:recording --calibration kinect.json
+  my-slam | treeline learn --live - --scene office --calibration kinect.json
   treeline learn 2fd1a8b0c3 --scene office --every 6
   treeline learn office.r3d --repository /srv/models
   treeline learn 7scenes:recording --scene office --output office-2
@@ -111,8 +126,42 @@ void AddTrainingFlags(CLI::App& command, LearnOptions& options) {
       ->group(kGroup);
 }
 
+void AddLiveFlags(CLI::App& command, LiveFlags& live) {
+  constexpr const char* kGroup = "Learning while frames arrive";
+  CLI::Option* is_live =
+      command
+          .add_flag("--live", live.is_live,
+                    "Learn CAPTURE, a recording or - for standard input, frame "
+                    "by frame as it arrives; see below")
+          ->group(kGroup);
+  for (const char* other :
+       {"--output", "--method", "--only-tested", "--trees"}) {
+    is_live->excludes(command.get_option(other));
+  }
+  const auto add = [&](const char* name, auto& value, const char* help,
+                       const char* type) {
+    return command.add_option(name, value, help)
+        ->type_name(type)
+        ->group(kGroup)
+        ->needs(is_live);
+  };
+  add("--rate", live.rate_hz,
+      "Frames a second at which a recording is played; 0: as fast as they are "
+      "learnt, and none is skipped",
+      "HZ")
+      ->capture_default_str();
+  add("--publish-every", live.publish_every_s,
+      "Seconds after which the model so far is written again", "S")
+      ->capture_default_str();
+  add("--base", live.base_model,
+      "Model whose trees are kept, of method universal or rgbd and of any "
+      "scene (default: the one that comes with Treeline)",
+      "MODEL");
+}
+
 absl::Status Learn(LearnOptions options, const std::stop_token& stop) {
   options.dataset.depth_unit_m = options.capture.open.depth_unit_m;
+  if (options.live.is_live) return LearnLive(options, stop);
   return LearnPlace(options, stop);
 }
 
@@ -146,6 +195,7 @@ cli::Command AddLearnCommand(CLI::App& app) {
   AddCaptureFlags(*command, options.capture, "If it is a capture");
   AddRecordingFlags(*command, options.dataset);
   AddTrainingFlags(*command, options);
+  AddLiveFlags(*command, options.live);
   command->add_flag("--quiet", options.quiet, "Show no progress");
   return {command,
           [flags](const std::stop_token& stop) { return Learn(*flags, stop); }};

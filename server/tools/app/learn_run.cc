@@ -16,7 +16,6 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
-#include "common/camera/calibration_json.h"
 #include "common/dataset/frame_use.h"
 #include "common/image/decode.h"
 #include "server/core/forest/model_file.h"
@@ -26,6 +25,7 @@
 #include "server/repository/names.h"
 #include "server/tools/app/learn_evaluation.h"
 #include "server/tools/app/learn_import.h"
+#include "server/tools/calibration_file.h"
 #include "server/tools/coverage_picture.h"
 #include "server/tools/learning/learn_page.h"
 #include "server/tools/learning/learn_source.h"
@@ -156,19 +156,10 @@ class PlaceLearner {
 
   absl::Status TakeBundleCameras() {
     TL_ASSIGN_OR_RETURN(calibration_,
-                        ReadCalibration(source_.calibration_path));
+                        tools::ReadCalibrationFile(source_.calibration_path));
     all_.color_camera = calibration_->color.ToString();
     all_.depth_camera = calibration_->depth.ToString();
     return absl::OkStatus();
-  }
-
-  static absl::StatusOr<camera::RgbdCalibration> ReadCalibration(
-      const std::string& path) {
-    TL_ASSIGN_OR_RETURN(const std::string json, base::ReadFile(path, 1 << 20));
-    absl::StatusOr<camera::RgbdCalibration> calibration =
-        camera::CalibrationFromJson(json);
-    if (!calibration.ok()) return base::Annotate(calibration.status(), path);
-    return calibration;
   }
 
   // The recording's own lists, or blocks of frames; --frames is all there is.
@@ -202,7 +193,8 @@ class PlaceLearner {
       result = "no depth: the cameras are those of the structure";
     } else if (options_.calibration != "auto" &&
                options_.calibration != "nominal") {
-      TL_ASSIGN_OR_RETURN(calibration_, ReadCalibration(options_.calibration));
+      TL_ASSIGN_OR_RETURN(calibration_,
+                          tools::ReadCalibrationFile(options_.calibration));
       result = "as given: " + options_.calibration;
     } else if (calibration_) {
       result = "the map's own";
@@ -355,7 +347,7 @@ class PlaceLearner {
         const std::string published,
         tools::NextModelPath(options_.repository, options_.scene));
     const absl::Status status = PublishAt(published);
-    if (!status.ok()) RemoveEmptyVersion(published);
+    if (!status.ok()) tools::RemoveEmptyVersion(published);
     TL_RETURN_IF_ERROR(status);
     output_.Keep();
     steps_.End(published);
@@ -382,15 +374,6 @@ class PlaceLearner {
     std::error_code ignored;
     std::filesystem::remove(model(), ignored);
     return absl::OkStatus();
-  }
-
-  // Of a version that has no model after all.
-  static void RemoveEmptyVersion(const std::string& published) {
-    std::error_code ignored;
-    const std::filesystem::path version =
-        std::filesystem::path(published).parent_path();
-    std::filesystem::remove(version, ignored);
-    std::filesystem::remove(version.parent_path(), ignored);
   }
 
   std::vector<std::pair<std::string, std::string>> Commands(

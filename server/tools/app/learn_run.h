@@ -12,6 +12,17 @@
 
 namespace treeline::tools_app {
 
+// Of `treeline learn --live`.
+struct LiveFlags {
+  bool is_live = false;
+  // Frames a second of a recording; 0: as fast as they are learnt.
+  double rate_hz = 30;
+  // Seconds between two versions of the model that is renewed.
+  double publish_every_s = 5;
+  // Whose splits are kept; empty: the base that comes with the program.
+  std::string base_model;
+};
+
 struct LearnOptions {
   std::string source;  // a capture, a recording, a URI or a map bundle
   std::string repository = "models";
@@ -26,6 +37,7 @@ struct LearnOptions {
   training::TrainingOptions training;
   // Publish what was tested, without learning the held-out frames too.
   bool only_tested = false;
+  LiveFlags live;
   bool quiet = false;
 };
 

@@ -12,8 +12,8 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
-#include "common/camera/calibration_json.h"
 #include "server/core/training/scene_trainer.h"
+#include "server/tools/calibration_file.h"
 #include "server/tools/calibration_text.h"
 #include "server/tools/dataset_flags.h"
 #include "server/tools/learning/learn_source.h"
@@ -70,15 +70,6 @@ struct TrainFlags {
   bool quiet = false;
 };
 
-absl::StatusOr<camera::RgbdCalibration> ReadCalibration(
-    const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string json, base::ReadFile(path));
-  absl::StatusOr<camera::RgbdCalibration> calibration =
-      camera::CalibrationFromJson(json);
-  if (!calibration.ok()) return base::Annotate(calibration.status(), path);
-  return calibration;
-}
-
 // Wrong usage, as CLI11 has it.
 void CheckUsage(const TrainFlags& flags) {
   if (flags.map.empty() == flags.dataset.uri.empty()) {
@@ -101,7 +92,7 @@ absl::Status Complete(TrainFlags& flags) {
     flags.dataset.uri = "7scenes:" + keyframes;
     const std::string calibration_path = keyframes + "/calibration.json";
     TL_ASSIGN_OR_RETURN(const camera::RgbdCalibration calibration,
-                        ReadCalibration(calibration_path));
+                        tools::ReadCalibrationFile(calibration_path));
     flags.dataset.color_camera = calibration.color.ToString();
     flags.dataset.depth_camera = calibration.depth.ToString();
     if (flags.calibration.empty()) flags.calibration = calibration_path;
@@ -119,7 +110,7 @@ absl::StatusOr<std::optional<camera::RgbdCalibration>> GivenCalibration(
   if (flags.calibration == "auto") return std::nullopt;
   if (flags.calibration == "nominal") return dataset.calibration();
   TL_ASSIGN_OR_RETURN(camera::RgbdCalibration calibration,
-                      ReadCalibration(flags.calibration));
+                      tools::ReadCalibrationFile(flags.calibration));
   // The cameras are the file's; whose poses these are, the recording knows.
   calibration.pose_sensor = dataset.calibration().pose_sensor;
   return calibration;
