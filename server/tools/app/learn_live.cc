@@ -40,7 +40,6 @@ namespace {
 using learning::ArrivedFrame;
 using learning::LiveFeed;
 using learning::LiveFeedCounts;
-using learning::LiveFrame;
 
 constexpr const char* kStandardInput = "-";
 constexpr double kMillimetre_m = 0.001;
@@ -296,9 +295,8 @@ class LiveRun {
   // The model so far, in the place where the complete one will be.
   void PublishIfDue() {
     const double every_s =
-        shown_.empty()
-            ? std::min(options_.live.publish_every_s, kFirstModel_s)
-            : options_.live.publish_every_s;
+        shown_.empty() ? std::min(options_.live.publish_every_s, kFirstModel_s)
+                       : options_.live.publish_every_s;
     if (base::SecondsBetween(last_published_, clock_.Now()) < every_s ||
         !background_.IsIdle()) {
       return;
