@@ -41,7 +41,11 @@ accuracy::FrameResult Localized(const std::string& stem,
   const geometry::Rigid3 estimate{
       truth.rotation, truth.translation + geometry::Vec3{error_m, 0, 0}};
   result.estimate = tools::LocalizedAt(estimate);
-  result.estimate.timings = {.sample_ms = 0.5, .forest_ms = 1, .pose_ms = 1.5};
+  result.estimate.timings = {.sample_ms = 0.5,
+                             .forest_ms = 1,
+                             .pose_ms = 1.5,
+                             .features_ms = 0.5,
+                             .verify_ms = 0.75};
   result.true_world_from_camera = truth;
   result.error = geometry::PoseError{error_m, 10 * error_m * kDegree};
   result.latency_ms = 3 + 10 * error_m;

@@ -40,6 +40,9 @@ export interface Stages {
   sample_ms: Maybe;
   forest_ms: Maybe;
   pose_ms: Maybe;
+  // Parts of pose_ms.
+  features_ms: Maybe;
+  verify_ms: Maybe;
 }
 
 export interface Frame {

@@ -170,6 +170,8 @@ function latency(method: Method, report: EvaluationReport):
     percentileRow('samples and descriptors', stage('sample_ms')),
     percentileRow('scene coordinates', stage('forest_ms')),
     percentileRow('pose', stage('pose_ms')),
+    percentileRow('features, of the pose', stage('features_ms')),
+    percentileRow('verification, of the pose', stage('verify_ms')),
     percentileRow('whole query', latencies),
     percentileRow('whole query, processor time',
         valuesOf(frames, (frame) => frame.cpu_ms)),
