@@ -35,6 +35,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSufficientMatches),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
+          base::RowOf(kApart_m),
+          base::RowOf(kApart_rad),
           base::RowOf(kMaxAlignedKeyframes),
           base::RowOf(kMaxPositionSigma_m),
           base::RowOf(kMinSiftInliers),

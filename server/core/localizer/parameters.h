@@ -245,6 +245,20 @@ inline constexpr base::Parameter<double> kMinDepthAgreement{
         "if depth agrees with fewer of the points whose brightness does, it "
         "refutes the pose: 3 of 775 right poses, 272 of 292 with another "
         "frame's depth (six scenes)"};
+inline constexpr base::Parameter<double> kApart_m{
+    .name = "apart",
+    .value = 0.05,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "of two poses further from each other at most one is right, by the "
+        "bounds that confidence is about, ..."};
+inline constexpr base::Parameter<double> kApart_rad{
+    .name = "apart_angle",
+    .value = 0.0873,
+    .unit = "rad",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "... or of two that are turned against each other by more"};
 inline constexpr base::Parameter<int> kMaxAlignedKeyframes{
     .name = "max_aligned_keyframes",
     .value = 5,

@@ -15,6 +15,10 @@
 namespace treeline::localizer {
 namespace {
 
+double LogError(const pose::FocalEstimate& focal) {
+  return std::abs(std::log(focal.scale));
+}
+
 // The candidates that were proposed, and the best of those verified.
 class Search {
  public:
@@ -34,6 +38,11 @@ class Search {
     if (!candidates_[i].pose) return false;
     Verdict verdict = verifier_.Verify(query_, candidates_[i]);
     last_ = verdict;
+    if (verdict.reason == NotLocalizedReason::kContradictsDepth &&
+        (!refuted_ ||
+         verdict.picture_confidence > refuted_->picture_confidence)) {
+      refuted_ = verdict;
+    }
     if (verdict.is_believed() &&
         !query_.options().priors.Allows(verdict.world_from_camera)) {
       verdict.reason = NotLocalizedReason::kContradictsPrior;
@@ -107,6 +116,9 @@ class Search {
   }
   Selection Take() && {
     const std::optional<pose::FocalEstimate> focal = Focal();
+    if (PictureContradicts()) {
+      verdict_->reason = NotLocalizedReason::kContradictsDepth;
+    }
     if (!verdict_) best_ = MostTelling();
     return {std::move(candidates_[best_]), verdict_, focal, std::nullopt};
   }
@@ -117,6 +129,13 @@ class Search {
   }
 
  private:
+  // Whether the picture is rather of another place than that of the answer, and
+  // depth alone refutes that place: one of the two is not of this view.
+  bool PictureContradicts() const {
+    return verdict_ && verdict_->is_believed() && refuted_ &&
+           refuted_->picture_confidence > verdict_->confidence &&
+           AreApart(*refuted_, *verdict_);
+  }
   // The first that had enough to look at; else the first.
   size_t MostTelling() const {
     for (size_t i = 0; i < candidates_.size(); ++i) {
@@ -131,21 +150,9 @@ class Search {
   size_t best_ = 0;
   std::optional<Verdict> verdict_;
   std::optional<Verdict> last_;
+  // Of those that depth refutes, the one that the picture speaks for most.
+  std::optional<Verdict> refuted_;
 };
-
-// The focal length that matched features speak for, in stated ones; nullopt: it
-// may well be the stated one.
-std::optional<double> OtherFocal(
-    const std::optional<pose::FocalEstimate>& focal, bool is_doubtful) {
-  if (!focal) return std::nullopt;
-  const double error = std::abs(std::log(focal->scale));
-  const double min_sigmas =
-      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
-  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
-    return std::nullopt;
-  }
-  return focal->scale;
-}
 
 // With a focal length that is wrong, depth that is right would seem to be
 // wrong.
@@ -153,7 +160,7 @@ bool IsFocalKnown(const Query& query,
                   const std::optional<pose::FocalEstimate>& focal) {
   if (!query.is_focal_doubtful()) return true;
   return focal && focal->sigma <= kMaxKnownFocalSigma &&
-         !OtherFocal(focal, /*is_doubtful=*/true);
+         !OtherFocal(focal, 1, /*is_doubtful=*/true);
 }
 
 // With the colour camera's focal length times `scale`; depth that is registered
@@ -195,10 +202,11 @@ absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
   }
 }
 
-// Times what the frame states.
+// Times what the frame states, and by how much features spoke against that.
 struct Corrections {
   double focal_scale = 1;
   double depth_scale = 1;
+  double focal_error_sigmas = 0;
 };
 
 // Asks again with the focal length that the features speak for, as long as that
@@ -209,9 +217,13 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
   TL_ASSIGN_OR_RETURN(
       Selection best,
       SelectWithAnyDepth(method, query, corrections.depth_scale));
-  for (int round = 0; round < kMaxFocalRounds; ++round) {
-    const std::optional<double> other =
-        OtherFocal(best.focal, query.is_focal_doubtful());
+  if (best.focal && best.focal->sigma > 0) {
+    corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
+  }
+  const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
+  for (int round = 0; round < rounds; ++round) {
+    const std::optional<double> other = OtherFocal(
+        best.focal, method.focal_sigma_scale, query.is_focal_doubtful());
     if (!best.verdict || !other) break;
     Corrections tried = corrections;
     tried.focal_scale *= *other;
@@ -230,6 +242,19 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
 }
 
 }  // namespace
+
+std::optional<double> OtherFocal(
+    const std::optional<pose::FocalEstimate>& focal, double sigma_scale,
+    bool is_doubtful) {
+  if (!focal) return std::nullopt;
+  const double error = LogError(*focal);
+  const double min_sigmas =
+      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas * sigma_scale;
+  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
+    return std::nullopt;
+  }
+  return focal->scale;
+}
 
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   Search search(*method.verifier, query);
@@ -290,6 +315,7 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
       Report(std::move(selection.candidate),
              selection.verdict ? &*selection.verdict : nullptr);
   estimate.focal_scale = corrections.focal_scale;
+  estimate.focal_error_sigmas = corrections.focal_error_sigmas;
   estimate.depth_scale = corrections.depth_scale;
   estimate.timings = query.timings();
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);

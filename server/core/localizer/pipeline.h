@@ -38,6 +38,9 @@ struct Method {
   // A verified candidate of at least this confidence ends the search, in
   // [0, 1]. 0: the first one does, believed or not.
   double sufficient_confidence = 0;
+  // See ConfidenceModel and QueryOptions.
+  double focal_sigma_scale = 1;
+  bool corrects_focal = true;
 };
 
 // What the search settled on.
@@ -50,6 +53,14 @@ struct Selection {
   // may well be right as it is.
   std::optional<double> depth_scale;
 };
+
+// The focal length that matched features speak for, in stated ones; nullopt: it
+// may well be the stated one. That is_doubtful if it may be a guess, and then
+// the little that features know is more; else see ConfidenceModel for
+// `sigma_scale`.
+std::optional<double> OtherFocal(
+    const std::optional<pose::FocalEstimate>& focal, double sigma_scale,
+    bool is_doubtful);
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
