@@ -44,6 +44,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMaxRelativePositionSigma),
           base::RowOf(kMinFocalError),
           base::RowOf(kMinFocalSigmas),
+          base::RowOf(kUnsureFocalOdds),
           base::RowOf(kMinDoubtfulFocalSigmas),
           base::RowOf(kSameFocal),
           base::RowOf(kMaxGuessedOffset),

@@ -202,45 +202,6 @@ absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
   }
 }
 
-// Times what the frame states, and by how much features spoke against that.
-struct Corrections {
-  double focal_scale = 1;
-  double depth_scale = 1;
-  double focal_error_sigmas = 0;
-};
-
-// Asks again with the focal length that the features speak for, as long as that
-// gives a better answer. `corrections` become the selection's.
-absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
-                                                   Query& query,
-                                                   Corrections& corrections) {
-  TL_ASSIGN_OR_RETURN(
-      Selection best,
-      SelectWithAnyDepth(method, query, corrections.depth_scale));
-  if (best.focal && best.focal->sigma > 0) {
-    corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
-  }
-  const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
-  for (int round = 0; round < rounds; ++round) {
-    const std::optional<double> other = OtherFocal(
-        best.focal, method.focal_sigma_scale, query.is_focal_doubtful());
-    if (!best.verdict || !other) break;
-    Corrections tried = corrections;
-    tried.focal_scale *= *other;
-    TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
-                        WithFocal(query.calibration(), *other));
-    query.set_calibration(std::move(corrected));
-    TL_ASSIGN_OR_RETURN(Selection selection,
-                        SelectWithAnyDepth(method, query, tried.depth_scale));
-    if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
-      break;
-    }
-    best = std::move(selection);
-    corrections = tried;
-  }
-  return best;
-}
-
 }  // namespace
 
 std::optional<double> OtherFocal(
@@ -287,6 +248,41 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   }
   if (needs_fallback) search.VerifyAll();
   return std::move(search).Take();
+}
+
+absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
+                                                   Query& query,
+                                                   Corrections& corrections) {
+  TL_ASSIGN_OR_RETURN(
+      Selection best,
+      SelectWithAnyDepth(method, query, corrections.depth_scale));
+  if (best.focal && best.focal->sigma > 0) {
+    corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
+  }
+  const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
+  for (int round = 0; round < rounds; ++round) {
+    const bool is_doubtful = query.is_focal_doubtful();
+    const std::optional<double> other = OtherFocal(best.focal, 1, is_doubtful);
+    if (!best.verdict || !other) break;
+    Corrections tried = corrections;
+    tried.focal_scale *= *other;
+    TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
+                        WithFocal(query.calibration(), *other));
+    query.set_calibration(std::move(corrected));
+    TL_ASSIGN_OR_RETURN(Selection selection,
+                        SelectWithAnyDepth(method, query, tried.depth_scale));
+    if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
+      break;
+    }
+    // What the scene's map may have wrong has to be worth it.
+    if (!OtherFocal(best.focal, method.focal_sigma_scale, is_doubtful) &&
+        OddsRatio(*selection.verdict, *best.verdict) < kUnsureFocalOdds) {
+      break;
+    }
+    best = std::move(selection);
+    corrections = tried;
+  }
+  return best;
 }
 
 Pipeline::Pipeline(std::unique_ptr<const forest::ModelFile> model,

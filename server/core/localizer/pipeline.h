@@ -72,6 +72,22 @@ std::optional<double> OtherFocal(
 // after the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
 
+// Times what the frame states, and by how much features spoke against that.
+struct Corrections {
+  double focal_scale = 1;
+  double depth_scale = 1;
+  double focal_error_sigmas = 0;
+};
+
+// As SelectCandidate, and asks again with the focal length that the features
+// speak for, as long as that gives a better answer: one of twice the odds
+// (kUnsureFocalOdds) where only the features' own standard deviation speaks for
+// it. Likewise with another scale of depth. `corrections` become the
+// selection's, and `query` has the cameras that were tried last.
+absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
+                                                   Query& query,
+                                                   Corrections& corrections);
+
 // A model with the method that reads it.
 class Pipeline final : public Localizer {
  public:

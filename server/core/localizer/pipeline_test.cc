@@ -228,6 +228,70 @@ TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
   }
 }
 
+// Features that want a focal length 5 % longer, at 5 standard deviations, until
+// the query has it.
+class FocalGenerator final : public CandidateGenerator {
+ public:
+  absl::StatusOr<Candidate> Propose(
+      Query& query, std::span<const Candidate> /*earlier*/) const override {
+    const bool is_stated = query.camera().fx() < 510;
+    Candidate candidate = Pose(is_stated ? 100 : 101);
+    candidate.is_matched = true;
+    candidate.focal =
+        pose::FocalEstimate{.scale = is_stated ? 1.05 : 1, .sigma = 0.01};
+    return candidate;
+  }
+};
+
+class OtherFocalAnswerTest : public testing::Test {
+ protected:
+  // Of the answer, if the longer one makes its confidence 0.8 the given one.
+  double FocalScale(double confidence) {
+    int verified = 0;
+    method_.verifier = std::make_unique<FakeVerifier>(
+        std::map<int, Verdict>{{100, Believed(0.8)},
+                               {101, Believed(confidence)}},
+        &verified, std::nullopt);
+    method_.steps.clear();
+    method_.steps.push_back({std::make_unique<FocalGenerator>()});
+    camera::RgbdCalibration calibration;
+    calibration.color =
+        camera::Camera::Parse("PINHOLE,500,500,320,240", 640, 480).value();
+    const image::Frame frame;
+    const LocalizeOptions options;
+    QueryScratch scratch;
+    Query query(frame, calibration, method_.depth_use, options, scratch);
+    if (is_doubtful_) query.set_focal_doubtful();
+    Corrections corrections;
+    const auto selection =
+        SelectWithAnyCalibration(method_, query, corrections);
+    EXPECT_TRUE(selection.ok());
+    EXPECT_NEAR(corrections.focal_error_sigmas, 4.88, 0.01);
+    return corrections.focal_scale;
+  }
+
+  Method method_;
+  bool is_doubtful_ = false;
+};
+
+TEST_F(OtherFocalAnswerTest, IsTakenIfItIsBetter) {
+  EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
+  EXPECT_EQ(FocalScale(0.79), 1);
+}
+
+TEST_F(OtherFocalAnswerTest, HasToBeMuchBetterWhereTheSceneStatesTooMuch) {
+  method_.focal_sigma_scale = 3;
+  EXPECT_EQ(FocalScale(0.82), 1);
+  EXPECT_NEAR(FocalScale(0.9), 1.05, 1e-9);  // 9 to 1, not 4 to 1
+  is_doubtful_ = true;
+  EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
+}
+
+TEST_F(OtherFocalAnswerTest, IsNeverTakenForOneThatIsKnown) {
+  method_.corrects_focal = false;
+  EXPECT_EQ(FocalScale(0.99), 1);
+}
+
 // A forest's pose that is believed, and one by features that depth refutes.
 class RefutedPoseTest : public SelectCandidateTest {
  protected:

@@ -16,6 +16,14 @@ bool IsBetter(const Verdict& a, const Verdict& b) {
   return a.confidence > b.confidence;
 }
 
+double OddsRatio(const Verdict& a, const Verdict& b) {
+  const auto odds = [](const Verdict& verdict) {
+    const double p = std::clamp(verdict.confidence, 1e-9, 1 - 1e-9);
+    return p / (1 - p);
+  };
+  return odds(a) / odds(b);
+}
+
 bool AreApart(const Verdict& a, const Verdict& b) {
   const geometry::PoseError between =
       geometry::ErrorBetween(a.world_from_camera, b.world_from_camera);

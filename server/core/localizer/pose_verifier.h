@@ -36,6 +36,9 @@ struct Verdict {
 // probable.
 bool IsBetter(const Verdict& a, const Verdict& b);
 
+// How many times as large the odds are that `a` is right.
+double OddsRatio(const Verdict& a, const Verdict& b);
+
 // Whether one of them has to be wrong.
 bool AreApart(const Verdict& a, const Verdict& b);
 
