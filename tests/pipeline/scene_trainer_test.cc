@@ -196,11 +196,16 @@ TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
   ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
   const auto localizer = localizer::OpenLocalizer(Path("universal"));
   ASSERT_TRUE(localizer.ok());
+  // To which no focal length is wrong; that it does not fit is told.
+  const auto known =
+      localizer::OpenLocalizer(Path("universal"), {.corrects_focal = false});
+  ASSERT_TRUE(known.ok());
   camera::RgbdCalibration stated = (*localizer)->info().calibration;
   const auto longer = camera::WithFocalScaled(stated.color, 1.08);
   ASSERT_TRUE(longer.ok());
   stated.color = *longer;
   int right = 0;
+  int told = 0;
   for (int i = 0; i < 16; ++i) {
     const geometry::Rigid3 truth = HeldOutPose(5 * i);
     image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
@@ -208,6 +213,10 @@ TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
     frame.calibration = stated;
     const auto estimate = (*localizer)->Localize(frame, {});
     ASSERT_TRUE(estimate.ok()) << estimate.status();
+    const auto uncorrected = (*known)->Localize(frame, {});
+    ASSERT_TRUE(uncorrected.ok()) << uncorrected.status();
+    EXPECT_EQ(uncorrected->focal_scale, 1);
+    told += uncorrected->focal_error_sigmas > 4;
     if (estimate->outcome != localizer::Outcome::kLocalized) continue;
     const geometry::PoseError error =
         geometry::ErrorBetween(estimate->world_from_camera, truth);
@@ -215,6 +224,7 @@ TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
              std::abs(estimate->focal_scale * 1.08 - 1) < 0.02;
   }
   EXPECT_GE(right, 12);
+  EXPECT_GE(told, 8);
   // A window of the scene's pictures has its focal length.
   right = 0;
   for (int i = 0; i < 16; ++i) {

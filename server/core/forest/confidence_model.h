@@ -40,6 +40,10 @@ struct ConfidenceModel {
   Features weights{};
   // Answers of at least this probability are given as localized.
   double threshold = 0.5;
+  // The standard deviation of a focal length, as matched features state it, has
+  // to be taken so many times, at least 1: what a map has wrong, its points
+  // have in common.
+  double focal_sigma_scale = 1;
 
   // "constant", "inlier_ratio" and so on, as the model file names them.
   static const std::array<absl::string_view, kFeatures>& FeatureNames();

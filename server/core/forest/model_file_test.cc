@@ -208,6 +208,26 @@ TEST_F(ModelFileTest, AConfidenceLacksNoEvidenceThatEveryVersionKnew) {
   EXPECT_EQ(earlier->confidence->weights.front(), 2);
 }
 
+TEST_F(ModelFileTest, WhatFeaturesSayOfFocalLengthsMayBeWidened) {
+  info_.confidence.emplace();
+  // As older versions wrote it, and read it.
+  EXPECT_EQ(ModelInfoToJson(info_).find("focal_sigma_scale"),
+            std::string::npos);
+  EXPECT_EQ(
+      ModelInfoFromJson(ModelInfoToJson(info_))->confidence->focal_sigma_scale,
+      1);
+  info_.confidence->focal_sigma_scale = 3.5;
+  const std::string text = ModelInfoToJson(info_);
+  EXPECT_EQ(ModelInfoFromJson(text)->confidence, info_.confidence);
+  for (const char* const bad : {"0.5", "-3.5", "1e7", "null"}) {
+    std::string corrupt = text;
+    corrupt.replace(corrupt.find("3.5"), 3, bad);
+    EXPECT_EQ(ModelInfoFromJson(corrupt).status().code(),
+              absl::StatusCode::kDataLoss)
+        << bad;
+  }
+}
+
 TEST_F(ModelFileTest, FlippedBitsAreDataLoss) {
   const std::string good = Written();
   for (size_t i = 0; i < good.size(); i += i < 256 ? 1 : 13) {

@@ -16,6 +16,9 @@ using Json = nlohmann::ordered_json;
 
 Json ConfidenceToJson(const ConfidenceModel& confidence) {
   Json json = {{"threshold", confidence.threshold}};
+  if (confidence.focal_sigma_scale != 1) {
+    json["focal_sigma_scale"] = confidence.focal_sigma_scale;
+  }
   for (size_t i = 0; i < ConfidenceModel::kFeatures; ++i) {
     json["weights"][std::string(ConfidenceModel::FeatureNames()[i])] =
         confidence.weights[i];
@@ -25,10 +28,17 @@ Json ConfidenceToJson(const ConfidenceModel& confidence) {
 
 // Of the evidence, what every version knew.
 constexpr size_t kFirstFeatures = 7;
+constexpr double kMaxFocalSigmaScale = 1e6;
 
-ConfidenceModel ConfidenceFromJson(const Json& json) {
+absl::StatusOr<ConfidenceModel> ConfidenceFromJson(const Json& json) {
   ConfidenceModel confidence;
   confidence.threshold = json.at("threshold").get<double>();
+  // Earlier versions took features at their word.
+  confidence.focal_sigma_scale = json.value("focal_sigma_scale", 1.0);
+  if (!(confidence.focal_sigma_scale >= 1 &&
+        confidence.focal_sigma_scale <= kMaxFocalSigmaScale)) {
+    return absl::DataLossError("focal_sigma_scale is out of range");
+  }
   for (size_t i = 0; i < ConfidenceModel::kFeatures; ++i) {
     const std::string name(ConfidenceModel::FeatureNames()[i]);
     const Json& weights = json.at("weights");
@@ -74,7 +84,8 @@ absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
   TL_ASSIGN_OR_RETURN(info.calibration, camera::CalibrationFromJson(
                                             root.at("calibration").dump()));
   if (root.contains("confidence")) {
-    info.confidence = ConfidenceFromJson(root.at("confidence"));
+    TL_ASSIGN_OR_RETURN(info.confidence,
+                        ConfidenceFromJson(root.at("confidence")));
   }
   // Absent in files of earlier versions.
   if (root.contains("world")) {

@@ -100,6 +100,11 @@ Verdict KeyframeVerifier::Verify(Query& query,
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
   verdict.evidence.sigma_m = sigma_m;
   verdict.confidence = confidence_.Probability(verdict.evidence);
+  if (ContradictsDepth(verdict.evidence)) {
+    forest::PoseEvidence of_picture = verdict.evidence;
+    of_picture.measured = 0;
+    verdict.picture_confidence = confidence_.Probability(of_picture);
+  }
   verdict.reason = ReasonAgainst(
       {.has_enough_inliers =
            pose.inliers >=

@@ -84,6 +84,9 @@ struct PoseEstimate {
   // (or the scene's), since that fits what was seen better; 1: the stated one
   // fits.
   double focal_scale = 1;
+  // By how many standard deviations, as they state them, matched features speak
+  // for another focal length than the stated one; 0: they do not tell.
+  double focal_error_sigmas = 0;
   // Depth was taken so many times what the frame states, since that fits what
   // was seen better; 1: as stated.
   double depth_scale = 1;

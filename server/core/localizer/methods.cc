@@ -116,6 +116,10 @@ absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
   Method method;
   method.verifier = std::move(verifier);
   method.keyframes = &keyframes;
+  method.corrects_focal = options.corrects_focal;
+  if (const auto& confidence = model.info().confidence) {
+    method.focal_sigma_scale = confidence->focal_sigma_scale;
+  }
   if (name == "rgbd") {
     method.depth_use = DepthUse::kRequired;
     method.steps.push_back(

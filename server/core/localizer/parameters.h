@@ -245,6 +245,20 @@ inline constexpr base::Parameter<double> kMinDepthAgreement{
         "if depth agrees with fewer of the points whose brightness does, it "
         "refutes the pose: 3 of 775 right poses, 272 of 292 with another "
         "frame's depth (six scenes)"};
+inline constexpr base::Parameter<double> kApart_m{
+    .name = "apart",
+    .value = 0.05,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "of two poses further from each other at most one is right, by the "
+        "bounds that confidence is about, ..."};
+inline constexpr base::Parameter<double> kApart_rad{
+    .name = "apart_angle",
+    .value = 0.0873,
+    .unit = "rad",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "... or of two that are turned against each other by more"};
 inline constexpr base::Parameter<int> kMaxAlignedKeyframes{
     .name = "max_aligned_keyframes",
     .value = 5,
@@ -298,6 +312,16 @@ inline constexpr base::Parameter<double> kMinFocalSigmas{
     .why =
         "... nor one that may be right, by what the features say: right ones "
         "were up to 1.8 off in near views, 2.5 in 98 of 100 far ones"};
+inline constexpr base::Parameter<double> kUnsureFocalOdds{
+    .name = "unsure_focal_odds",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "where a scene is known to state too much, that many standard "
+        "deviations correct if the answer's odds become so many times as "
+        "large: of right focal lengths at most 1.7 (7 held-out views of "
+        "fr1/rpy), of one 25 % off in 8 of 15"};
 inline constexpr base::Parameter<double> kMinDoubtfulFocalSigmas{
     .name = "min_doubtful_focal_sigmas",
     .value = 1.5,

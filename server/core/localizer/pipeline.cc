@@ -15,6 +15,10 @@
 namespace treeline::localizer {
 namespace {
 
+double LogError(const pose::FocalEstimate& focal) {
+  return std::abs(std::log(focal.scale));
+}
+
 // The candidates that were proposed, and the best of those verified.
 class Search {
  public:
@@ -35,6 +39,11 @@ class Search {
     const StageTimer timer(query_.timings().verify_ms);
     Verdict verdict = verifier_.Verify(query_, candidates_[i]);
     last_ = verdict;
+    if (verdict.reason == NotLocalizedReason::kContradictsDepth &&
+        (!refuted_ ||
+         verdict.picture_confidence > refuted_->picture_confidence)) {
+      refuted_ = verdict;
+    }
     if (verdict.is_believed() &&
         !query_.options().priors.Allows(verdict.world_from_camera)) {
       verdict.reason = NotLocalizedReason::kContradictsPrior;
@@ -109,6 +118,9 @@ class Search {
   }
   Selection Take() && {
     const std::optional<pose::FocalEstimate> focal = Focal();
+    if (PictureContradicts()) {
+      verdict_->reason = NotLocalizedReason::kContradictsDepth;
+    }
     if (!verdict_) best_ = MostTelling();
     return {std::move(candidates_[best_]), verdict_, focal, std::nullopt};
   }
@@ -119,6 +131,13 @@ class Search {
   }
 
  private:
+  // Whether the picture is rather of another place than that of the answer, and
+  // depth alone refutes that place: one of the two is not of this view.
+  bool PictureContradicts() const {
+    return verdict_ && verdict_->is_believed() && refuted_ &&
+           refuted_->picture_confidence > verdict_->confidence &&
+           AreApart(*refuted_, *verdict_);
+  }
   // The first that had enough to look at; else the first.
   size_t MostTelling() const {
     for (size_t i = 0; i < candidates_.size(); ++i) {
@@ -133,21 +152,9 @@ class Search {
   size_t best_ = 0;
   std::optional<Verdict> verdict_;
   std::optional<Verdict> last_;
+  // Of those that depth refutes, the one that the picture speaks for most.
+  std::optional<Verdict> refuted_;
 };
-
-// The focal length that matched features speak for, in stated ones; nullopt: it
-// may well be the stated one.
-std::optional<double> OtherFocal(
-    const std::optional<pose::FocalEstimate>& focal, bool is_doubtful) {
-  if (!focal) return std::nullopt;
-  const double error = std::abs(std::log(focal->scale));
-  const double min_sigmas =
-      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
-  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
-    return std::nullopt;
-  }
-  return focal->scale;
-}
 
 // With a focal length that is wrong, depth that is right would seem to be
 // wrong.
@@ -155,7 +162,7 @@ bool IsFocalKnown(const Query& query,
                   const std::optional<pose::FocalEstimate>& focal) {
   if (!query.is_focal_doubtful()) return true;
   return focal && focal->sigma <= kMaxKnownFocalSigma &&
-         !OtherFocal(focal, /*is_doubtful=*/true);
+         !OtherFocal(focal, 1, /*is_doubtful=*/true);
 }
 
 // With the colour camera's focal length times `scale`; depth that is registered
@@ -197,41 +204,20 @@ absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
   }
 }
 
-// Times what the frame states.
-struct Corrections {
-  double focal_scale = 1;
-  double depth_scale = 1;
-};
-
-// Asks again with the focal length that the features speak for, as long as that
-// gives a better answer. `corrections` become the selection's.
-absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
-                                                   Query& query,
-                                                   Corrections& corrections) {
-  TL_ASSIGN_OR_RETURN(
-      Selection best,
-      SelectWithAnyDepth(method, query, corrections.depth_scale));
-  for (int round = 0; round < kMaxFocalRounds; ++round) {
-    const std::optional<double> other =
-        OtherFocal(best.focal, query.is_focal_doubtful());
-    if (!best.verdict || !other) break;
-    Corrections tried = corrections;
-    tried.focal_scale *= *other;
-    TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
-                        WithFocal(query.calibration(), *other));
-    query.set_calibration(std::move(corrected));
-    TL_ASSIGN_OR_RETURN(Selection selection,
-                        SelectWithAnyDepth(method, query, tried.depth_scale));
-    if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
-      break;
-    }
-    best = std::move(selection);
-    corrections = tried;
-  }
-  return best;
-}
-
 }  // namespace
+
+std::optional<double> OtherFocal(
+    const std::optional<pose::FocalEstimate>& focal, double sigma_scale,
+    bool is_doubtful) {
+  if (!focal) return std::nullopt;
+  const double error = LogError(*focal);
+  const double min_sigmas =
+      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas * sigma_scale;
+  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
+    return std::nullopt;
+  }
+  return focal->scale;
+}
 
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   Search search(*method.verifier, query);
@@ -266,6 +252,41 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   return std::move(search).Take();
 }
 
+absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
+                                                   Query& query,
+                                                   Corrections& corrections) {
+  TL_ASSIGN_OR_RETURN(
+      Selection best,
+      SelectWithAnyDepth(method, query, corrections.depth_scale));
+  if (best.focal && best.focal->sigma > 0) {
+    corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
+  }
+  const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
+  for (int round = 0; round < rounds; ++round) {
+    const bool is_doubtful = query.is_focal_doubtful();
+    const std::optional<double> other = OtherFocal(best.focal, 1, is_doubtful);
+    if (!best.verdict || !other) break;
+    Corrections tried = corrections;
+    tried.focal_scale *= *other;
+    TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
+                        WithFocal(query.calibration(), *other));
+    query.set_calibration(std::move(corrected));
+    TL_ASSIGN_OR_RETURN(Selection selection,
+                        SelectWithAnyDepth(method, query, tried.depth_scale));
+    if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
+      break;
+    }
+    // What the scene's map may have wrong has to be worth it.
+    if (!OtherFocal(best.focal, method.focal_sigma_scale, is_doubtful) &&
+        OddsRatio(*selection.verdict, *best.verdict) < kUnsureFocalOdds) {
+      break;
+    }
+    best = std::move(selection);
+    corrections = tried;
+  }
+  return best;
+}
+
 Pipeline::Pipeline(std::unique_ptr<const forest::ModelFile> model,
                    Method method)
     : model_(std::move(model)), method_(std::move(method)) {}
@@ -292,6 +313,7 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
       Report(std::move(selection.candidate),
              selection.verdict ? &*selection.verdict : nullptr);
   estimate.focal_scale = corrections.focal_scale;
+  estimate.focal_error_sigmas = corrections.focal_error_sigmas;
   estimate.depth_scale = corrections.depth_scale;
   estimate.timings = query.timings();
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);

@@ -38,6 +38,9 @@ struct Method {
   // A verified candidate of at least this confidence ends the search, in
   // [0, 1]. 0: the first one does, believed or not.
   double sufficient_confidence = 0;
+  // See ConfidenceModel and QueryOptions.
+  double focal_sigma_scale = 1;
+  bool corrects_focal = true;
 };
 
 // What the search settled on.
@@ -51,6 +54,14 @@ struct Selection {
   std::optional<double> depth_scale;
 };
 
+// The focal length that matched features speak for, in stated ones; nullopt: it
+// may well be the stated one. That is_doubtful if it may be a guess, and then
+// the little that features know is more; else see ConfidenceModel for
+// `sigma_scale`.
+std::optional<double> OtherFocal(
+    const std::optional<pose::FocalEstimate>& focal, double sigma_scale,
+    bool is_doubtful);
+
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
 // A pose that contradicts the query's priors is not believed, and does not end
@@ -60,6 +71,22 @@ struct Selection {
 // one is found, the search ends there. Errors of the generators; CANCELLED
 // after the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
+
+// Times what the frame states, and by how much features spoke against that.
+struct Corrections {
+  double focal_scale = 1;
+  double depth_scale = 1;
+  double focal_error_sigmas = 0;
+};
+
+// As SelectCandidate, and asks again with the focal length that the features
+// speak for, as long as that gives a better answer: one of twice the odds
+// (kUnsureFocalOdds) where only the features' own standard deviation speaks for
+// it. Likewise with another scale of depth. `corrections` become the
+// selection's, and `query` has the cameras that were tried last.
+absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
+                                                   Query& query,
+                                                   Corrections& corrections);
 
 // A model with the method that reads it.
 class Pipeline final : public Localizer {

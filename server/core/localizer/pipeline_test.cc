@@ -189,6 +189,24 @@ TEST_F(ScaledDepthTest, ItIsNoQuestionOnceItIsSettled) {
   EXPECT_EQ(features_[0]->times, 0);
 }
 
+TEST(OtherFocalTest, IsOneThatTheStatedOneIsFarFromByWhatTheSceneKnows) {
+  const pose::FocalEstimate longer{.scale = 1.05, .sigma = 0.01};
+  EXPECT_EQ(OtherFocal(longer, 1, /*is_doubtful=*/false), 1.05);
+  EXPECT_EQ(OtherFocal(longer, 1.3, /*is_doubtful=*/false), std::nullopt);
+  // A guess is worth less, whatever the scene.
+  EXPECT_EQ(OtherFocal(longer, 4, /*is_doubtful=*/true), 1.05);
+  EXPECT_EQ(OtherFocal(pose::FocalEstimate{.scale = 1.05, .sigma = 0.04}, 1,
+                       /*is_doubtful=*/true),
+            std::nullopt);
+  const pose::FocalEstimate shorter{.scale = 1 / 1.05, .sigma = 0.01};
+  EXPECT_EQ(OtherFocal(shorter, 1, /*is_doubtful=*/false), shorter.scale);
+  // However well it is known.
+  EXPECT_EQ(OtherFocal(pose::FocalEstimate{.scale = 1.01, .sigma = 1e-4}, 1,
+                       /*is_doubtful=*/true),
+            std::nullopt);
+  EXPECT_EQ(OtherFocal(std::nullopt, 1, /*is_doubtful=*/true), std::nullopt);
+}
+
 TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
   is_focal_doubtful_ = true;
   depth_ = {.scale = 1.05, .sigma = 0.004, .points = 300, .agreement = 0.9};
@@ -207,6 +225,123 @@ TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
     const auto unknown = SelectAmongThem();
     ASSERT_TRUE(unknown.ok());
     EXPECT_FALSE(unknown->depth_scale.has_value());
+  }
+}
+
+// Features that want a focal length 5 % longer, at 5 standard deviations, until
+// the query has it.
+class FocalGenerator final : public CandidateGenerator {
+ public:
+  absl::StatusOr<Candidate> Propose(
+      Query& query, std::span<const Candidate> /*earlier*/) const override {
+    const bool is_stated = query.camera().fx() < 510;
+    Candidate candidate = Pose(is_stated ? 100 : 101);
+    candidate.is_matched = true;
+    candidate.focal =
+        pose::FocalEstimate{.scale = is_stated ? 1.05 : 1, .sigma = 0.01};
+    return candidate;
+  }
+};
+
+class OtherFocalAnswerTest : public testing::Test {
+ protected:
+  // Of the answer, if the longer one makes its confidence 0.8 the given one.
+  double FocalScale(double confidence) {
+    int verified = 0;
+    method_.verifier = std::make_unique<FakeVerifier>(
+        std::map<int, Verdict>{{100, Believed(0.8)},
+                               {101, Believed(confidence)}},
+        &verified, std::nullopt);
+    method_.steps.clear();
+    method_.steps.push_back({std::make_unique<FocalGenerator>()});
+    camera::RgbdCalibration calibration;
+    calibration.color =
+        camera::Camera::Parse("PINHOLE,500,500,320,240", 640, 480).value();
+    const image::Frame frame;
+    const LocalizeOptions options;
+    QueryScratch scratch;
+    Query query(frame, calibration, method_.depth_use, options, scratch);
+    if (is_doubtful_) query.set_focal_doubtful();
+    Corrections corrections;
+    const auto selection =
+        SelectWithAnyCalibration(method_, query, corrections);
+    EXPECT_TRUE(selection.ok());
+    EXPECT_NEAR(corrections.focal_error_sigmas, 4.88, 0.01);
+    return corrections.focal_scale;
+  }
+
+  Method method_;
+  bool is_doubtful_ = false;
+};
+
+TEST_F(OtherFocalAnswerTest, IsTakenIfItIsBetter) {
+  EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
+  EXPECT_EQ(FocalScale(0.79), 1);
+}
+
+TEST_F(OtherFocalAnswerTest, HasToBeMuchBetterWhereTheSceneStatesTooMuch) {
+  method_.focal_sigma_scale = 3;
+  EXPECT_EQ(FocalScale(0.82), 1);
+  EXPECT_NEAR(FocalScale(0.9), 1.05, 1e-9);  // 9 to 1, not 4 to 1
+  is_doubtful_ = true;
+  EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
+}
+
+TEST_F(OtherFocalAnswerTest, IsNeverTakenForOneThatIsKnown) {
+  method_.corrects_focal = false;
+  EXPECT_EQ(FocalScale(0.99), 1);
+}
+
+// A forest's pose that is believed, and one by features that depth refutes.
+class RefutedPoseTest : public SelectCandidateTest {
+ protected:
+  RefutedPoseTest() {
+    method_.sufficient_confidence = 0.9;
+    AddStep(Pose(1));
+    AddStep(Pose(2));
+  }
+  NotLocalizedReason ReasonBeside(double picture_confidence, geometry::Vec3 at,
+                                  double turned_rad) {
+    Verdict refuted;
+    refuted.reason = NotLocalizedReason::kContradictsDepth;
+    refuted.confidence = 0.6;
+    refuted.picture_confidence = picture_confidence;
+    refuted.world_from_camera = {
+        geometry::Rotation3::FromAxisAngle({0, turned_rad, 0}), at};
+    const auto selection = Select({{1, Believed(0.8)}, {2, refuted}});
+    EXPECT_TRUE(selection.ok());
+    EXPECT_EQ(selection->candidate.pose->inliers, 1);
+    return selection->verdict->reason;
+  }
+};
+
+TEST_F(RefutedPoseTest, SpeaksAgainstAnAnswerThatThePictureIsLessOf) {
+  EXPECT_EQ(ReasonBeside(0.95, {0.1, 0, 0}, 0),
+            NotLocalizedReason::kContradictsDepth);
+  EXPECT_EQ(ReasonBeside(0.95, {0, 0, 0}, 0.1),
+            NotLocalizedReason::kContradictsDepth);
+}
+
+TEST_F(RefutedPoseTest, IsNoMatterNearTheAnswerOrLessLikelyThanIt) {
+  EXPECT_EQ(ReasonBeside(0.95, {0.04, 0, 0}, 0.05), NotLocalizedReason::kNone);
+  EXPECT_EQ(ReasonBeside(0.79, {0.5, 0, 0}, 1), NotLocalizedReason::kNone);
+}
+
+TEST_F(RefutedPoseTest, OfSeveralTheLikeliestCounts) {
+  AddStep(Pose(3));
+  const auto refuted = [](double picture_confidence) {
+    Verdict verdict;
+    verdict.reason = NotLocalizedReason::kContradictsDepth;
+    verdict.picture_confidence = picture_confidence;
+    verdict.world_from_camera.translation = {1, 0, 0};
+    return verdict;
+  };
+  for (const auto& [second, third] : {std::pair(0.95, 0.1), {0.1, 0.95}}) {
+    const auto selection =
+        Select({{1, Believed(0.8)}, {2, refuted(second)}, {3, refuted(third)}});
+    ASSERT_TRUE(selection.ok());
+    EXPECT_EQ(selection->verdict->reason,
+              NotLocalizedReason::kContradictsDepth);
   }
 }
 

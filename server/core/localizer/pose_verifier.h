@@ -24,6 +24,8 @@ struct Verdict {
   // See PoseEstimate.
   double confidence = 0;
   forest::PoseEvidence evidence = {};
+  // Where depth refutes the pose, what its confidence would be without depth.
+  double picture_confidence = 0;
   // See Alignment; nullopt without depth.
   std::optional<keyframes::DepthScale> depth_scale = std::nullopt;
 
@@ -33,6 +35,12 @@ struct Verdict {
 // Whether `a` is the better answer: what is believed, and then what is more
 // probable.
 bool IsBetter(const Verdict& a, const Verdict& b);
+
+// How many times as large the odds are that `a` is right.
+double OddsRatio(const Verdict& a, const Verdict& b);
+
+// Whether one of them has to be wrong.
+bool AreApart(const Verdict& a, const Verdict& b);
 
 // What an answer needs.
 struct Grounds {

@@ -29,6 +29,15 @@ TEST(IsBetterTest, WhatIsBelievedBeatsWhatIsMoreProbable) {
   EXPECT_FALSE(IsBetter(believed, believed));
 }
 
+TEST(OddsRatioTest, IsOfTheChances) {
+  const Verdict nine{.confidence = 0.9};
+  const Verdict four{.confidence = 0.8};
+  EXPECT_NEAR(OddsRatio(nine, four), 9.0 / 4, 1e-9);
+  EXPECT_NEAR(OddsRatio(four, nine), 4.0 / 9, 1e-9);
+  EXPECT_GT(OddsRatio(Verdict{.confidence = 1}, nine), 1e6);
+  EXPECT_LT(OddsRatio(Verdict{.confidence = 0}, nine), 1e-6);
+}
+
 // A scene of which cameras stand 2 units away.
 class SupportVerifierTest : public testing::Test {
  protected:

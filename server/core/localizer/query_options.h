@@ -30,6 +30,9 @@ struct QueryOptions {
   // Whether a frame of which nobody said which way up it is is looked for in
   // other ways too, where it is not found; see OrientedLocalizer.
   bool other_turns = true;
+  // Whether a focal length that does not fit is corrected. Where it is known,
+  // nothing that features say against it is right.
+  bool corrects_focal = true;
 
   absl::Status Validate() const;
 };

@@ -60,6 +60,10 @@ constexpr int kBlurRadius_px = 8;
 constexpr double kMinGain = 0.35;
 constexpr double kMaxGamma = 2;
 
+// Of 95 of 100 values of a normal distribution, in standard deviations.
+constexpr double kFocalShare = 0.95;
+constexpr double kFocalShareSigmas = 1.96;
+
 double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
 
 // Removes a file when it goes out of scope.
@@ -143,7 +147,8 @@ class FrameTrials {
                      error.translation_m > 2 * options_.translation_m ||
                      error.rotation_rad > 2 * options_.rotation_rad,
          .view = view,
-         .error = error});
+         .error = error,
+         .focal_error_sigmas = estimate.focal_error_sigmas});
     return absl::OkStatus();
   }
 
@@ -164,6 +169,21 @@ class FrameTrials {
   base::Random random_;
   std::vector<ConfidenceTrial> trials_;
 };
+
+double FocalSigmaScale(std::span<const ConfidenceTrial> trials,
+                       const ConfidenceFit& fit) {
+  std::vector<double> sigmas;
+  for (const ConfidenceTrial& trial : trials) {
+    if (!trial.is_right || !(trial.focal_error_sigmas > 0)) continue;
+    sigmas.push_back(trial.focal_error_sigmas);
+  }
+  if (sigmas.size() < fit.min_focal_trials) return 1;
+  const auto at =
+      sigmas.begin() + static_cast<std::ptrdiff_t>(
+                           kFocalShare * static_cast<double>(sigmas.size()));
+  std::nth_element(sigmas.begin(), at, sigmas.end());
+  return std::max(1.0, *at / kFocalShareSigmas);
+}
 
 }  // namespace
 
@@ -254,6 +274,7 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   }
   forest::ConfidenceModel model;
   std::copy(weights.begin(), weights.end(), model.weights.begin());
+  model.focal_sigma_scale = FocalSigmaScale(trials, fit);
 
   std::vector<std::pair<double, bool>> answers;  // probability, harmless
   for (const ConfidenceTrial& trial : trials) {
@@ -341,11 +362,12 @@ absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
   const TemporaryFile file(absl::StrCat(path, ".trial-", getpid()));
   TL_RETURN_IF_ERROR(write_model(file.path()));
-  // The trials are upright, and what they find there counts.
-  localizer::QueryOptions upright;
-  upright.other_turns = false;
+  // The trials are upright and of known cameras, and what they find so counts.
+  localizer::QueryOptions known;
+  known.other_turns = false;
+  known.corrects_focal = false;
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<localizer::Localizer> localizer,
-                      localizer::OpenLocalizer(file.path(), upright));
+                      localizer::OpenLocalizer(file.path(), known));
   TL_ASSIGN_OR_RETURN(
       const std::vector<ConfidenceTrial> trials,
       RunConfidenceTrials(*localizer, held_out, options, quiet, stop));

@@ -24,6 +24,8 @@ struct ConfidenceTrial {
   bool is_gross = false;
   const char* view = "";  // what was asked about: "whole", "covered", ...
   geometry::PoseError error{};
+  // See PoseEstimate; the focal length was right.
+  double focal_error_sigmas = 0;
 };
 
 struct ConfidenceFit {
@@ -40,6 +42,8 @@ struct ConfidenceFit {
   // alike.
   double min_threshold = 0.7;
   double max_threshold = 0.9;
+  // Of fewer right poses nothing is said of how well focal lengths are known.
+  size_t min_focal_trials = 20;
 };
 
 // Logistic regression on the trials, drawn towards `prior` as if by a few
@@ -47,7 +51,8 @@ struct ConfidenceFit {
 // never counts against a pose. The threshold is the least one at which all but
 // one, and one in two hundred, of the trials' answers are not grossly wrong
 // (one trial decides nothing): what is wrong by a little is told by its
-// probability.
+// probability. Standard deviations of focal lengths are widened until 95 of 100
+// right poses, all of a right focal length, are within 1.96 of them.
 forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
                                       const forest::ConfidenceModel& prior,
                                       const ConfidenceFit& fit = {});

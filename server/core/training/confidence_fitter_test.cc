@@ -115,6 +115,27 @@ TEST(ConfidenceFitterTest, WithoutTrialsThePriorHolds) {
   EXPECT_EQ(FitConfidence({}, prior).weights, prior.weights);
 }
 
+TEST(ConfidenceFitterTest, FocalLengthsAreKnownAsWellAsTrialsShow) {
+  const auto scale_of = [](double spread, int count, bool is_right) {
+    base::Random random(7, 1);
+    std::vector<ConfidenceTrial> trials(static_cast<size_t>(count));
+    for (ConfidenceTrial& trial : trials) {
+      trial.is_right = is_right;
+      trial.focal_error_sigmas = spread * std::abs(random.NextGaussian());
+    }
+    return FitConfidence(trials, forest::ConfidenceModel::Typical())
+        .focal_sigma_scale;
+  };
+  // The 95th percentile of 400 is known to about 5 %.
+  EXPECT_NEAR(scale_of(1, 400, true), 1, 0.2);
+  EXPECT_NEAR(scale_of(3, 400, true), 3, 0.5);
+  // Never narrower; nothing of few trials, of none that tells, of wrong poses.
+  EXPECT_EQ(scale_of(0.3, 400, true), 1);
+  EXPECT_EQ(scale_of(3, 19, true), 1);
+  EXPECT_EQ(scale_of(0, 400, true), 1);
+  EXPECT_EQ(scale_of(3, 400, false), 1);
+}
+
 TEST(ConfidenceFitterTest, BlocksHeldOutHaveNoNeighboursAmongThoseLearnt) {
   std::vector<int> frames(500);
   std::iota(frames.begin(), frames.end(), 100);
