@@ -28,8 +28,15 @@ constexpr Order kEnclosedOrder = {
     RecoveryBehaviorKind::kBackUp, RecoveryBehaviorKind::kLookAround,
     RecoveryBehaviorKind::kWait};
 
+constexpr Order kOccupiedOrder = {
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kWait,
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kWait,
+    RecoveryBehaviorKind::kWait};
+
 const Order& OrderFor(Trouble trouble) {
   switch (trouble) {
+    case Trouble::kOccupied:
+      return kOccupiedOrder;
     case Trouble::kStuck:
       return kStuckOrder;
     case Trouble::kEnclosed:
@@ -172,9 +179,13 @@ std::optional<RecoverySequenceStep> RecoverySequence::Next(Trouble trouble) {
   const Order& order = OrderFor(trouble);
   const size_t at = static_cast<size_t>(used_) % order.size();
   // All rungs count, so that waits grow as the budget shrinks.
-  const double wait_s = std::min(
-      limits_.longest_wait_s,
-      limits_.first_wait_s * std::exp2(static_cast<double>(used_) / 3));
+  // There is nothing else to try at an occupied goal.
+  const double wait_s =
+      trouble == Trouble::kOccupied
+          ? limits_.longest_wait_s
+          : std::min(limits_.longest_wait_s,
+                     limits_.first_wait_s *
+                         std::exp2(static_cast<double>(used_) / 3));
   const bool is_bold = used_ >= kBoldAfter;
   ++used_;
   can_give_back_ = true;

@@ -139,6 +139,18 @@ TEST(RecoverySequence, EndsAndIsRefilled) {
   EXPECT_TRUE(ladder.Next(Trouble::kStuck).has_value());
 }
 
+TEST(RecoverySequence, BeforeAnOccupiedGoalItOnlyWaits) {
+  RecoverySequence ladder(kLimits);
+  for (int i = 0; i < kLimits.max_recoveries; ++i) {
+    const std::optional<RecoverySequenceStep> rung =
+        ladder.Next(Trouble::kOccupied);
+    ASSERT_TRUE(rung.has_value());
+    EXPECT_EQ(rung->kind, RecoveryBehaviorKind::kWait);
+    EXPECT_EQ(rung->wait_s, kLimits.longest_wait_s);
+  }
+  EXPECT_FALSE(ladder.Next(Trouble::kOccupied).has_value());
+}
+
 TEST(ProgressChecker, WantsLessToGoInTime) {
   ManualClock clock;
   ProgressChecker watch(kLimits);

@@ -7,6 +7,14 @@
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
+
+OdometryNoise OdometryNoise::Of(const core::MeasuredOdometryNoise& measured) {
+  return {.turn_from_turn = kNoiseMargin * measured.turn_from_turn,
+          .turn_from_drive = kNoiseMargin * measured.turn_from_drive,
+          .drive_from_drive = kNoiseMargin * measured.drive_from_drive,
+          .drive_from_turn = kNoiseMargin * measured.drive_from_turn};
+}
+
 absl::Status OdometryNoise::Validate() const {
   const std::pair<const char*, double> shares[] = {
       {"turn_from_turn", turn_from_turn},

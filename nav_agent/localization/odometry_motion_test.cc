@@ -107,5 +107,21 @@ TEST(OdometryNoise, RefusesWhatIsNoShare) {
             "odometry noise: drive_from_turn is -1; it must be 0..10");
 }
 
+TEST(OdometryNoise, OfAMeasuredRobotHasAMargin) {
+  const OdometryNoise noise = OdometryNoise::Of({.turn_from_turn = 0.01,
+                                                 .turn_from_drive = 0.02,
+                                                 .drive_from_drive = 0.03,
+                                                 .drive_from_turn = 0.04});
+  EXPECT_DOUBLE_EQ(noise.turn_from_turn, kNoiseMargin * 0.01);
+  EXPECT_DOUBLE_EQ(noise.turn_from_drive, kNoiseMargin * 0.02);
+  EXPECT_DOUBLE_EQ(noise.drive_from_drive, kNoiseMargin * 0.03);
+  EXPECT_DOUBLE_EQ(noise.drive_from_turn, kNoiseMargin * 0.04);
+  // The most that files may say is still valid.
+  EXPECT_TRUE(OdometryNoise::Of({core::kMostNoise, core::kMostNoise,
+                                 core::kMostNoise, core::kMostNoise})
+                  .Validate()
+                  .ok());
+}
+
 }  // namespace
 }  // namespace treeline::localization

@@ -222,6 +222,40 @@ TEST(Mission, GivesUpWhenTheWayStaysBlockedAndTakesTheNextGoal) {
   EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
 }
 
+// A goal beside a table, that there is no room to turn at: it went to and fro
+// there, for minutes.
+TEST(Mission, AGoalThatItCannotTakeEndsSoon) {
+  TestMission mission({});
+  mission.Send({mission.At(3.0, 2.0, -1.57)});
+  const behavior::GoalStatus goal = mission.RunToEnd(150);
+  EXPECT_NE(goal.state, behavior::GoalState::kActive) << mission.Story();
+  int blocked = 0;
+  for (const behavior::NavigatorEvent& event : mission.events()) {
+    if (event.kind == "blocked") ++blocked;
+  }
+  EXPECT_LE(blocked, 10) << mission.Story();
+  EXPECT_LT(Norm(mission.Truth().translation - geometry::Vec2{3.0, 2.0}), 1)
+      << mission.Story();
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
+
+// Something stands on the goal, and stays.
+TEST(Mission, WaitsBesideAnOccupiedGoalAndSaysSo) {
+  TestMission mission({.start = {3.0, 7.9}});
+  AddCrate(mission, "crate", kCounter.x, kCounter.y);
+  mission.Send({mission.At(kCounter.x, kCounter.y)});
+  const behavior::GoalStatus goal = mission.RunToEnd(90);
+  EXPECT_EQ(goal.state, behavior::GoalState::kFailed) << mission.Story();
+  EXPECT_EQ(goal.cause, core::NavigationCause::kGoalBlocked) << mission.Story();
+  EXPECT_TRUE(mission.HasEvent("goal", "the goal is occupied: stopped 1."))
+      << mission.Story();
+  EXPECT_TRUE(mission.HasEvent("recovery", "something stands on the goal"));
+  EXPECT_FALSE(mission.HasEvent("recovery", "back up"));
+  EXPECT_TRUE(Stands(mission));
+  EXPECT_LT(FromCounter_m(mission), 2);
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
+
 // Thesis 6.6.1 and Fig. 6.11: a person steps in front of the robot.
 TEST(Mission, PassesAPersonWhoStepsInFront) {
   TestMission mission({});
