@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "nav_agent/calibration/parameters.h"
 
 namespace treeline::calibration {
 namespace {
@@ -96,13 +97,18 @@ std::string Uncertainty(Quantity quantity, const Calibration& calibration) {
                       SigmaText(quantity, calibration.Of(quantity).sigma));
 }
 
+// Less than the least is not told.
+std::string NoiseUncertainty(double share, double sigma) {
+  return share > kNoiseFloor ? absl::StrFormat("+- %.4f", sigma) : "or less";
+}
+
 void AddNoise(const Calibration& calibration, const char* section,
               std::vector<FileEntry>& entries) {
   if (!calibration.noise) return;
   for (const auto& [name, value] : core::kNoiseKeys) {
-    entries.push_back(
-        {section, name, Number(calibration.noise->noise.*value),
-         absl::StrFormat("+- %.4f", calibration.noise->sigma.*value)});
+    entries.push_back({section, name, Number(calibration.noise->noise.*value),
+                       NoiseUncertainty(calibration.noise->noise.*value,
+                                        calibration.noise->sigma.*value)});
   }
 }
 
@@ -152,10 +158,11 @@ std::string CalibrationTable(const Calibration& calibration) {
   if (calibration.noise) {
     text += "odometry noise, calibrated, at most:";
     for (const auto& [name, value] : core::kNoiseKeys) {
-      absl::StrAppendFormat(&text, "%s %s %.4f +- %.4f",
+      absl::StrAppendFormat(&text, "%s %s %.4f %s",
                             value == core::kNoiseKeys[0].value ? "" : ",", name,
                             calibration.noise->noise.*value,
-                            calibration.noise->sigma.*value);
+                            NoiseUncertainty(calibration.noise->noise.*value,
+                                             calibration.noise->sigma.*value));
     }
     text += "\n";
   } else {

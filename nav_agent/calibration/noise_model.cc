@@ -90,7 +90,8 @@ core::MeasuredOdometryNoise NoiseOf(std::span<const MotionError> errors) {
   return noise;
 }
 
-// Delete-a-block jackknife about the mean of the estimates (Efron 1982).
+// Delete-a-block jackknife about the mean of the estimates (Efron 1982); no
+// better than a step of the grid.
 core::MeasuredOdometryNoise SigmaOf(std::span<const MotionError> errors) {
   std::vector<core::MeasuredOdometryNoise> without;
   for (int block = 0; block < kBlocks; ++block) {
@@ -111,7 +112,8 @@ core::MeasuredOdometryNoise SigmaOf(std::span<const MotionError> errors) {
     for (const auto& noise : without) {
       squares += (noise.*value - mean) * (noise.*value - mean);
     }
-    sigma.*value = std::sqrt(squares * (kBlocks - 1) / kBlocks);
+    sigma.*value = std::max(std::sqrt(squares * (kBlocks - 1) / kBlocks),
+                            (kFineStep - 1) * mean);
   }
   return sigma;
 }

@@ -142,9 +142,8 @@ inline constexpr base::Parameter<double> kFitsDelay_s{
     "less is not seen in a map"};
 inline constexpr base::Parameter<double> kFitsNoise{
     "fits_noise", 2, "", base::ParameterOrigin::kTuned,
-    "times the noise as measured: in other rooms scans match worse; what uses "
-    "it "
-    "has a margin"};
+    "times the noise as measured: scans match worse in other rooms, and what "
+    "uses it has a margin"};
 inline constexpr base::Parameter<double> kFitsSigmas{
     "fits_sigmas", 3, "", base::ParameterOrigin::kTuned,
     "standard deviations that a value may be off"};

@@ -22,8 +22,11 @@ struct OdometryNoise {
   double drive_from_drive = kDriveFromDrive;
   double drive_from_turn = kDriveFromTurn;
 
-  // For a robot whose odometry was measured: kNoiseMargin of that.
+  // For a robot whose odometry was measured: kNoiseMargin of that, and no less
+  // than usual.
   static OdometryNoise Of(const core::MeasuredOdometryNoise& measured);
+  // Each share at least as large as the default.
+  OdometryNoise AtLeastUsual() const;
 
   // INVALID_ARGUMENT for what is negative, above 10, or not a number.
   absl::Status Validate() const;

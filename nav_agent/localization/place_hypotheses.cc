@@ -35,18 +35,6 @@ OdometryError ErrorOver(const geometry::Rigid2& from_from_to,
                  noise.turn_from_drive * way_m};
 }
 
-// Maps are bent, too: no odometry is taken to be better than is usual.
-OdometryNoise AtLeastUsual(const OdometryNoise& noise) {
-  const OdometryNoise usual;
-  return {
-      .turn_from_turn = std::max(noise.turn_from_turn, usual.turn_from_turn),
-      .turn_from_drive = std::max(noise.turn_from_drive, usual.turn_from_drive),
-      .drive_from_drive =
-          std::max(noise.drive_from_drive, usual.drive_from_drive),
-      .drive_from_turn =
-          std::max(noise.drive_from_turn, usual.drive_from_turn)};
-}
-
 ScanPoints Thinned(const ScanPoints& points, size_t at_most) {
   if (points.size() <= at_most) return points;
   ScanPoints some;
@@ -60,7 +48,9 @@ ScanPoints Thinned(const ScanPoints& points, size_t at_most) {
 
 PlaceHypotheses::PlaceHypotheses(const PlaceHypothesesOptions& options,
                                  const OdometryNoise& odometry)
-    : options_(options), odometry_(AtLeastUsual(odometry)) {}
+    : options_(options),
+      // Maps are bent, too: none is taken to be better.
+      odometry_(odometry.AtLeastUsual()) {}
 
 // ---- what is followed ----
 
