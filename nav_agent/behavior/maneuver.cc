@@ -28,9 +28,10 @@ constexpr Order kEnclosedOrder = {
     RecoveryBehaviorKind::kBackUp, RecoveryBehaviorKind::kLookAround,
     RecoveryBehaviorKind::kWait};
 
+// It stands; what the costmap remembers and nothing sees any more is forgotten.
 constexpr Order kOccupiedOrder = {
-    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kWait,
-    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kWait,
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kClearCostmap,
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kClearCostmap,
     RecoveryBehaviorKind::kWait};
 
 const Order& OrderFor(Trouble trouble) {
@@ -179,13 +180,9 @@ std::optional<RecoverySequenceStep> RecoverySequence::Next(Trouble trouble) {
   const Order& order = OrderFor(trouble);
   const size_t at = static_cast<size_t>(used_) % order.size();
   // All rungs count, so that waits grow as the budget shrinks.
-  // There is nothing else to try at an occupied goal.
-  const double wait_s =
-      trouble == Trouble::kOccupied
-          ? limits_.longest_wait_s
-          : std::min(limits_.longest_wait_s,
-                     limits_.first_wait_s *
-                         std::exp2(static_cast<double>(used_) / 3));
+  const double wait_s = std::min(
+      limits_.longest_wait_s,
+      limits_.first_wait_s * std::exp2(static_cast<double>(used_) / 3));
   const bool is_bold = used_ >= kBoldAfter;
   ++used_;
   can_give_back_ = true;

@@ -33,10 +33,11 @@ class OccupiedGoal {
             base::SecondsBetween(*met_at_, now) >= wait_s_);
   }
   // There is no way to it, nor to a place beside. Whether that has been so for
-  // long enough: kLongestWait_s since it was met first.
+  // long enough: since it was met first, kBlockageMemory_s, after which what is
+  // not seen any more is forgotten.
   bool HasWaited(base::MonotonicTime now) {
     if (!since_.has_value()) since_ = now;
-    return base::SecondsBetween(*since_, now) >= kLongestWait_s;
+    return base::SecondsBetween(*since_, now) > kBlockageMemory_s;
   }
   // True once: people are to be told.
   bool TellOnce() { return !std::exchange(has_told_, true); }

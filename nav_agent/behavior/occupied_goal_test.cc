@@ -40,7 +40,7 @@ TEST(OccupiedGoal, WhereThereIsNoRoomBesideItWaitsOnce) {
   ManualClock clock;
   OccupiedGoal occupied;
   EXPECT_FALSE(occupied.HasWaited(clock.Now()));
-  clock.Advance_s(kLongestWait_s - 0.1);
+  clock.Advance_s(kBlockageMemory_s - 0.1);
   occupied.Meet(clock.Now());
   EXPECT_FALSE(occupied.HasWaited(clock.Now()));
   clock.Advance_s(0.2);

@@ -57,7 +57,7 @@ TEST_F(PlanningStateTest, WaitsForAnOccupiedGoalThenSaysHowFarBesideItStands) {
   const auto trouble = std::get<GoalTrouble>(Plan());
   EXPECT_EQ(trouble.kind, Trouble::kOccupied);
   EXPECT_EQ(trouble.cause, core::NavigationCause::kGoalBlocked);
-  clock.Advance_s(kLongestWait_s);
+  clock.Advance_s(kBlockageMemory_s + 0.1);
   AnswerFailure(core::NavigationCause::kNoPath, "a crate");
   const auto end = std::get<GoalEnd>(Plan());
   EXPECT_EQ(end.state, GoalState::kFailed);

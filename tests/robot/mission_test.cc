@@ -249,7 +249,7 @@ TEST(Mission, WaitsBesideAnOccupiedGoalAndSaysSo) {
   const behavior::GoalStatus goal = mission.RunToEnd(90);
   EXPECT_EQ(goal.state, behavior::GoalState::kFailed) << mission.Story();
   EXPECT_EQ(goal.cause, core::NavigationCause::kGoalBlocked) << mission.Story();
-  EXPECT_TRUE(mission.HasEvent("goal", "the goal is occupied: stopped 1."))
+  EXPECT_TRUE(mission.HasEvent("goal", "the goal is occupied: stopped"))
       << mission.Story();
   EXPECT_TRUE(mission.HasEvent("recovery", "something stands on the goal"));
   EXPECT_FALSE(mission.HasEvent("recovery", "back up"));
