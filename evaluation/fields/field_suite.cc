@@ -56,6 +56,10 @@ class FieldDrive {
     simulation.start = {.position = start.translation,
                         .yaw_rad = start.yaw_rad};
     simulation.sensors.UseLasers(options.robot.lasers);
+    if (options.robot.noise.has_value()) {
+      simulation.errors.UseNoise(*options.robot.noise,
+                                 options.robot.model.wheel_track_m);
+    }
     TL_ASSIGN_OR_RETURN(drive->simulator_, simulator::Simulator::Create(
                                                std::move(world), simulation));
     simulator::Simulator& simulator = *drive->simulator_;

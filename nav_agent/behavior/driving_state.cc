@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
+#include "nav_agent/behavior/angle_text.h"
 #include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/place_text.h"
@@ -54,9 +55,14 @@ bool DrivingState::DrivesStraight() const {
 DrivingState::Result DrivingState::Step(const control::ControlPose& pose,
                                         GoalCourse& goal, GoalTools& tools,
                                         base::MonotonicTime now) {
-  if (arrival_.end().is_goal_taken && way_is_free_) {
+  const bool tries_again =
+      arrival_.end().is_goal_taken ? way_is_free_ : waits_at_goal_;
+  if (tries_again && tools.occupied.MayTry(now)) {
     return {.outcome = NeedsPlan(),
             .command = tools.controller.Guard(pose, {})};
+  }
+  if (waits_at_goal_ && !arrival_.end().is_goal_taken) {
+    return {.outcome = GoesOn(), .command = tools.controller.Guard(pose, {})};
   }
   StepBackground(pose, goal, tools, now);
   control_ = tools.controller.Step(pose);
@@ -78,10 +84,10 @@ DrivingState::Result DrivingState::Step(const control::ControlPose& pose,
       break;
     case control::ControlState::kBlocked:
       result.outcome =
-          MeetObstacle(pose, "something stands in the way", tools, now);
+          MeetObstacle(pose, "something stands in the way", goal, tools, now);
       break;
     case control::ControlState::kWaiting:
-      result.outcome = Wait(pose, tools, now);
+      result.outcome = Wait(pose, goal, tools, now);
       break;
     case control::ControlState::kDriving:
       result.outcome = CheckProgress(pose.pose, goal, tools, now);
@@ -96,6 +102,8 @@ void DrivingState::StepBackground(const control::ControlPose& pose,
   const std::optional<PlannedPath> plan =
       background_.Step(goal, pose.pose, tools, now);
   if (!plan.has_value()) return;
+  // To a goal that is taken leads none that is worth it.
+  if (arrival_.end().is_goal_taken && !tools.occupied.MayTry(now)) return;
   const double from_m = Distance_m(plan->result.path.front(), pose.pose);
   if (from_m < kBetterPathStart_m &&
       from_m + plan->result.length_m <
@@ -122,6 +130,14 @@ DrivingState::Outcome DrivingState::Arrive(const control::ControlPose& pose,
       break;
     case ArrivalCheck::Outcome::kStands:
       goal.status.to_go_m = 0;
+      waits_at_goal_ = true;
+      if (tools.occupied.TellOnce()) {
+        tools.events.Add(
+            "goal",
+            absl::StrFormat("waits %.2f m beside the goal, where something "
+                            "stands",
+                            arrival_.end().beside_goal_m));
+      }
       break;
     case ArrivalCheck::Outcome::kReached:
       return EndAt(arrival_.Text(pose.pose, target, goal.status.driven_m),
@@ -149,8 +165,40 @@ GoalEnd DrivingState::EndAt(std::string where, GoalCourse& goal) const {
           .why = std::move(where)};
 }
 
+std::optional<DrivingState::Outcome> DrivingState::MeetAtGoal(
+    const control::ControlPose& pose, const char* what, GoalCourse& goal,
+    GoalTools& tools, base::MonotonicTime now) {
+  const double beside_m = Distance_m(pose.pose, goal.Target());
+  const bool has_time = tools.occupied.Meet(now);
+  if (beside_m > kPassPose_m) return std::nullopt;
+  if (!has_time) return EndBeside(pose.pose, what, goal, tools);
+  waits_at_goal_ = true;
+  if (tools.occupied.TellOnce()) {
+    tools.events.Add("goal", absl::StrFormat("waits %.2f m beside the goal: %s",
+                                             beside_m, what));
+  }
+  return GoesOn();
+}
+
+GoalEnd DrivingState::EndBeside(const core::LevelPose& robot, const char* what,
+                                GoalCourse& goal, const GoalTools& tools) {
+  const double beside_m = Distance_m(robot, goal.Target());
+  const double off_rad = std::abs(geometry::NormalizedAngle_rad(
+      robot.map_from_base.yaw_rad - goal.Target().map_from_base.yaw_rad));
+  goal.status.to_go_m = beside_m;
+  const bool is_there =
+      off_rad <= tools.options.control.goal_tolerance_rad + kArrivalSlack_rad;
+  return {.state = is_there ? GoalState::kSucceeded : GoalState::kFailed,
+          .cause = is_there ? core::NavigationCause::kNone
+                            : core::NavigationCause::kGoalBlocked,
+          .why = absl::StrFormat(
+              "stopped %.2f m beside the goal and %.0f degrees off, after %.1f "
+              "m: %s",
+              beside_m, InDegrees(off_rad), goal.status.driven_m, what)};
+}
+
 DrivingState::Outcome DrivingState::Wait(const control::ControlPose& pose,
-                                         GoalTools& tools,
+                                         GoalCourse& goal, GoalTools& tools,
                                          base::MonotonicTime now) {
   if (!waiting_since_.has_value()) {
     waiting_since_ = now;
@@ -161,13 +209,21 @@ DrivingState::Outcome DrivingState::Wait(const control::ControlPose& pose,
       tools.options.limits.wait_for_moving_s) {
     return GoesOn();
   }
-  return MeetObstacle(pose, "what moved does not go away", tools, now);
+  return MeetObstacle(pose, "what moved does not go away", goal, tools, now);
 }
 
 DrivingState::Outcome DrivingState::MeetObstacle(
-    const control::ControlPose& pose, const std::string& what, GoalTools& tools,
-    base::MonotonicTime now) {
+    const control::ControlPose& pose, const std::string& what, GoalCourse& goal,
+    GoalTools& tools, base::MonotonicTime now) {
   const geometry::Vec2 obstacle = control_.obstacle_in_map;
+  if (goal.IsLastLeg() &&
+      geometry::Norm(obstacle - goal.Target().map_from_base.translation) <=
+          kObstacleNear_m) {
+    if (auto outcome =
+            MeetAtGoal(pose, "something stands there", goal, tools, now)) {
+      return *std::move(outcome);
+    }
+  }
   const std::optional<core::LevelPlace> ground =
       tools.map->GroundNear(obstacle, pose.pose.place.height_m);
   const NavigatorLimits& limits = tools.options.limits;
@@ -189,13 +245,21 @@ DrivingState::Outcome DrivingState::MeetObstacle(
 }
 
 DrivingState::Outcome DrivingState::CheckProgress(
-    const core::LevelPose& robot, const GoalCourse& goal, GoalTools& tools,
+    const core::LevelPose& robot, GoalCourse& goal, GoalTools& tools,
     base::MonotonicTime now) const {
   const bool gets_on =
       tools.progress.Observe(now, goal.status.next_pose, control_.to_go_m,
                              robot.map_from_base.yaw_rad);
-  if (tools.progress.TakeRefill()) tools.attempts.Refill();
+  if (tools.progress.TakeRefill()) {
+    tools.attempts.Refill();
+    tools.occupied.Reset();
+  }
   if (gets_on) return GoesOn();
+  // A goal that recoveries did not help to turn at, and will not.
+  if (goal.IsLastLeg() && Distance_m(robot, goal.Target()) <= kPassPose_m &&
+      !tools.occupied.Meet(now)) {
+    return EndBeside(robot, "there is no room to turn", goal, tools);
+  }
   return GoalTrouble{.kind = Trouble::kStuck,
                      .cause = control_.is_stopped_by_guard
                                   ? core::NavigationCause::kCollisionStop

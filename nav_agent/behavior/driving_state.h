@@ -40,6 +40,8 @@ class DrivingState {
   void NoteWayIsFree() { way_is_free_ = true; }
   // About straight ahead, at more than a crawl.
   bool DrivesStraight() const;
+  // It stands at, or beside, a goal that something stands on.
+  bool WaitsAtGoal() const { return waits_at_goal_; }
   // The path from the next pose on, if it was found already.
   const std::optional<planning::PlanResult>& next_leg() const {
     return background_.next_leg();
@@ -54,12 +56,19 @@ class DrivingState {
   Outcome Arrive(const control::ControlPose& pose, GoalCourse& goal,
                  GoalTools& tools, base::MonotonicTime now);
   GoalEnd EndAt(std::string where, GoalCourse& goal) const;
-  Outcome Wait(const control::ControlPose& pose, GoalTools& tools,
-               base::MonotonicTime now);
+  // The robot is as near as it comes to a goal that it cannot take: waits, or
+  // ends. nullopt: it is not so near.
+  std::optional<Outcome> MeetAtGoal(const control::ControlPose& pose,
+                                    const char* what, GoalCourse& goal,
+                                    GoalTools& tools, base::MonotonicTime now);
+  static GoalEnd EndBeside(const core::LevelPose& robot, const char* what,
+                           GoalCourse& goal, const GoalTools& tools);
+  Outcome Wait(const control::ControlPose& pose, GoalCourse& goal,
+               GoalTools& tools, base::MonotonicTime now);
   Outcome MeetObstacle(const control::ControlPose& pose,
-                       const std::string& what, GoalTools& tools,
-                       base::MonotonicTime now);
-  Outcome CheckProgress(const core::LevelPose& robot, const GoalCourse& goal,
+                       const std::string& what, GoalCourse& goal,
+                       GoalTools& tools, base::MonotonicTime now);
+  Outcome CheckProgress(const core::LevelPose& robot, GoalCourse& goal,
                         GoalTools& tools, base::MonotonicTime now) const;
 
   BackgroundPlans background_;
@@ -69,6 +78,7 @@ class DrivingState {
   std::optional<base::MonotonicTime> waiting_since_;
   // Since the path is followed.
   bool way_is_free_ = false;
+  bool waits_at_goal_ = false;
 };
 
 }  // namespace treeline::behavior

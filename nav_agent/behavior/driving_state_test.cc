@@ -1,7 +1,9 @@
 #include "nav_agent/behavior/driving_state.h"
 
 #include <variant>
+#include <vector>
 
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/testing_goal.h"
 
 namespace treeline::behavior {
@@ -216,6 +218,98 @@ TEST_F(DrivingStateTest, WithoutABandItNeedsAPlan) {
   controller.result.state = control::ControlState::kIdle;
   DrivingState driving = Drive();
   EXPECT_TRUE(Is<DrivingState::NeedsPlan>(Step(driving)));
+}
+
+// What stands on the goal comes and goes in what the sensors say.
+TEST_F(DrivingStateTest, DoesNotGoToAndFroBeforeAGoalThatFlickers) {
+  controller.result.obstacle_in_map = {5, 2};
+  std::vector<double> waits_s;
+  // It is met at once from the path, and seems free at once from beside.
+  for (int i = 0; i < 10; ++i) {
+    controller.result.state = control::ControlState::kBlocked;
+    DrivingState driving = Drive();
+    EXPECT_TRUE(Is<DrivingState::NeedsPlan>(Step(driving)));
+    PlannedPath path = Straight(PoseAtPoint(1, 2), PoseAtPoint(4.4, 2));
+    path.result.moved_goal_m = 0.6;
+    path.had_blockages = true;
+    controller.result.state = control::ControlState::kDriving;
+    DrivingState beside = Drive(path);
+    beside.NoteWayIsFree();
+    double waited_s = 0;
+    while (waited_s < options.limits.progress_s - 1 &&
+           Is<DrivingState::GoesOn>(Step(beside, 0.5))) {
+      waited_s += 0.5;
+    }
+    if (waited_s >= options.limits.progress_s - 1) break;
+    waits_s.push_back(waited_s);
+  }
+  // Then it goes to where there is room, and stays there.
+  ASSERT_EQ(waits_s.size(), 2u);
+  EXPECT_NEAR(waits_s[0], kFirstWait_s, 0.5);
+  EXPECT_NEAR(waits_s[1], 2 * kFirstWait_s, 0.5);
+}
+
+TEST_F(DrivingStateTest, WaitsWhereItIsBesideAnOccupiedGoalThenSaysSo) {
+  controller.result.state = control::ControlState::kBlocked;
+  controller.result.obstacle_in_map = {5.1, 2};
+  robot = Robot(4.8, 2, 1.0);
+  int waits = 0;
+  for (int i = 0; i < 10; ++i) {
+    DrivingState driving = Drive();
+    DrivingState::Result result = Step(driving);
+    if (Is<GoalEnd>(result)) {
+      const auto& end = std::get<GoalEnd>(result.outcome);
+      EXPECT_EQ(end.state, GoalState::kFailed);
+      EXPECT_EQ(end.cause, core::NavigationCause::kGoalBlocked);
+      EXPECT_EQ(end.why,
+                "stopped 0.20 m beside the goal and 57 degrees off, after 0.0 "
+                "m: something stands there");
+      break;
+    }
+    ASSERT_TRUE(Is<DrivingState::GoesOn>(result));
+    EXPECT_TRUE(driving.WaitsAtGoal());
+    // One event, whatever happens.
+    EXPECT_EQ(Said("goal", "waits 0.20 m beside the goal"), waits == 0);
+    ++waits;
+    double waited_s = 0;
+    do {
+      result = Step(driving, 0.5);
+      EXPECT_EQ(result.command.forward_mps, 0);
+      waited_s += 0.5;
+    } while (Is<DrivingState::GoesOn>(result) && waited_s < 60);
+    EXPECT_TRUE(Is<DrivingState::NeedsPlan>(result));
+    EXPECT_LE(waited_s, kGoalWait_s);
+  }
+  EXPECT_EQ(waits, 2);
+  EXPECT_TRUE(tools.blockages.empty());
+  // The heading is right: near enough for a pose that is driven through.
+  robot = Robot(4.8, 2);
+  DrivingState driving = Drive();
+  const DrivingState::Result result = Step(driving);
+  ASSERT_TRUE(Is<GoalEnd>(result));
+  EXPECT_EQ(std::get<GoalEnd>(result.outcome).state, GoalState::kSucceeded);
+}
+
+TEST_F(DrivingStateTest, AGoalWithoutRoomToTurnEndsAfterThreeTries) {
+  robot = Robot(4.95, 2, 2);
+  controller.result.is_stopped_by_guard = true;
+  int troubles = 0;
+  for (int i = 0; i < 10; ++i) {
+    DrivingState driving = Drive();
+    Step(driving);
+    const DrivingState::Result result =
+        Step(driving, options.limits.progress_s);
+    if (Is<GoalEnd>(result)) {
+      EXPECT_EQ(std::get<GoalEnd>(result.outcome).cause,
+                core::NavigationCause::kGoalBlocked);
+      EXPECT_TRUE(absl::StrContains(std::get<GoalEnd>(result.outcome).why,
+                                    "there is no room to turn"));
+      break;
+    }
+    ASSERT_TRUE(Is<GoalTrouble>(result));
+    ++troubles;
+  }
+  EXPECT_EQ(troubles, 2);
 }
 
 }  // namespace

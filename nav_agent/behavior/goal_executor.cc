@@ -50,6 +50,10 @@ bool GoalExecutor::DrivesStraight() const {
 }
 
 core::NavigationCause GoalExecutor::trouble() const {
+  if (const auto* driving = std::get_if<DrivingState>(&state_);
+      driving != nullptr && driving->WaitsAtGoal()) {
+    return core::NavigationCause::kGoalBlocked;
+  }
   const auto* recovering = std::get_if<RecoveringState>(&state_);
   return recovering == nullptr ? core::NavigationCause::kNone
                                : recovering->trouble().cause;
@@ -74,6 +78,7 @@ uint64_t GoalExecutor::Start(const NavigationGoal& goal) {
   has_told_of_gone_ = false;
   tools_.progress.Reset();
   tools_.attempts.Refill();
+  tools_.occupied.Reset();
   tools_.events.Add("goal",
                     absl::StrFormat("goal %d accepted: %s, %d poses", last_id_,
                                     PlaceText(poses.back()), poses.size()));
@@ -200,6 +205,7 @@ void GoalExecutor::NextLeg(const core::LevelPose& robot) {
                               status.next_pose, goal_->goal.poses.size()));
   tools_.plans.Cancel();
   tools_.attempts.Refill();
+  tools_.occupied.Reset();
   const std::optional<planning::PlanResult>& leg =
       std::get<DrivingState>(state_).next_leg();
   if (!leg.has_value()) {

@@ -63,7 +63,7 @@ class GoalExecutor {
   std::optional<GoalStatus> status() const;
   // About straight ahead, at more than a crawl.
   bool DrivesStraight() const;
-  // What it recovers from; kNone: it does not.
+  // What it recovers from, or waits for at its goal; kNone: neither.
   core::NavigationCause trouble() const;
 
   ObstacleMemory& blockages() { return tools_.blockages; }

@@ -9,6 +9,7 @@
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/goal_attempts.h"
 #include "nav_agent/behavior/obstacle_memory.h"
+#include "nav_agent/behavior/occupied_goal.h"
 #include "nav_agent/behavior/plan_requests.h"
 #include "nav_agent/behavior/progress_checker.h"
 
@@ -44,6 +45,7 @@ struct GoalTools {
   ObstacleMemory blockages;
   ProgressChecker progress;
   GoalAttempts attempts;
+  OccupiedGoal occupied;
   PlannedRoute route;
 };
 

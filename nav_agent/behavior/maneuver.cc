@@ -28,8 +28,16 @@ constexpr Order kEnclosedOrder = {
     RecoveryBehaviorKind::kBackUp, RecoveryBehaviorKind::kLookAround,
     RecoveryBehaviorKind::kWait};
 
+// It stands; what the costmap remembers and nothing sees any more is forgotten.
+constexpr Order kOccupiedOrder = {
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kClearCostmap,
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kClearCostmap,
+    RecoveryBehaviorKind::kWait};
+
 const Order& OrderFor(Trouble trouble) {
   switch (trouble) {
+    case Trouble::kOccupied:
+      return kOccupiedOrder;
     case Trouble::kStuck:
       return kStuckOrder;
     case Trouble::kEnclosed:

@@ -69,9 +69,10 @@ class RecoveryBehavior {
 
 // What a robot is in trouble with.
 enum class Trouble : uint8_t {
-  kNoWay,    // what was seen leaves no way
-  kStuck,    // it drives and does not get on
-  kEnclosed  // no free ground where it stands
+  kNoWay,     // what was seen leaves no way
+  kStuck,     // it drives and does not get on
+  kEnclosed,  // no free ground where it stands
+  kOccupied   // something stands on its goal, and there is no room beside it
 };
 
 // Which maneuver is next: each kind of trouble has its own order, and all share

@@ -139,6 +139,21 @@ TEST(RecoverySequence, EndsAndIsRefilled) {
   EXPECT_TRUE(ladder.Next(Trouble::kStuck).has_value());
 }
 
+TEST(RecoverySequence, BeforeAnOccupiedGoalItStands) {
+  RecoverySequence ladder(kLimits);
+  int waits = 0;
+  for (int i = 0; i < kLimits.max_recoveries; ++i) {
+    const std::optional<RecoverySequenceStep> rung =
+        ladder.Next(Trouble::kOccupied);
+    ASSERT_TRUE(rung.has_value());
+    const bool is_wait = rung->kind == RecoveryBehaviorKind::kWait;
+    EXPECT_TRUE(is_wait || rung->kind == RecoveryBehaviorKind::kClearCostmap);
+    waits += is_wait ? 1 : 0;
+  }
+  EXPECT_GT(waits, kLimits.max_recoveries / 2);
+  EXPECT_FALSE(ladder.Next(Trouble::kOccupied).has_value());
+}
+
 TEST(ProgressChecker, WantsLessToGoInTime) {
   ManualClock clock;
   ProgressChecker watch(kLimits);

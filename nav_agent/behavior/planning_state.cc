@@ -1,10 +1,14 @@
 #include "nav_agent/behavior/planning_state.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/place_text.h"
+#include "nav_agent/behavior/pose_lists.h"
 
 namespace treeline::behavior {
 namespace {
@@ -42,6 +46,47 @@ PlanningState::Outcome OfFailure(const planning::PlanResult& failure,
   return GoalEnd{.state = GoalState::kFailed,
                  .cause = failure.failure,
                  .why = std::move(why)};
+}
+
+// Whether something that was met stands on the goal, or so near that the robot
+// has no room there.
+bool IsOccupied(const GoalCourse& goal, const ObstacleMemory& blockages) {
+  if (!goal.IsLastLeg()) return false;
+  const core::LevelPose& target = goal.Target();
+  return std::ranges::any_of(
+      blockages.All(), [&target](const planning::Blockage& blockage) {
+        return blockage.level == target.place.level &&
+               geometry::Norm(blockage.center -
+                              target.map_from_base.translation) <=
+                   kObstacleNear_m;
+      });
+}
+
+// There is a way, but for what stands about.
+PlanningState::Outcome OfBlockage(const planning::PlanResult& failure,
+                                  const GoalCourse& goal,
+                                  const core::LevelPose& robot,
+                                  GoalTools& tools, base::MonotonicTime now) {
+  if (failure.failure == core::NavigationCause::kStartBlocked ||
+      !IsOccupied(goal, tools.blockages)) {
+    return GoalTrouble{
+        .kind = failure.failure == core::NavigationCause::kStartBlocked
+                    ? Trouble::kEnclosed
+                    : Trouble::kNoWay,
+        .cause = core::NavigationCause::kBlocked,
+        .why = absl::StrCat("what stands in the way leaves no other: ",
+                            failure.why)};
+  }
+  if (!tools.occupied.HasWaited(now)) {
+    return GoalTrouble{.kind = Trouble::kOccupied,
+                       .cause = core::NavigationCause::kGoalBlocked,
+                       .why = "something stands on the goal"};
+  }
+  return GoalEnd{
+      .state = GoalState::kFailed,
+      .cause = core::NavigationCause::kGoalBlocked,
+      .why = absl::StrFormat("the goal is occupied: stopped %.2f m beside it",
+                             Distance_m(robot, goal.Target()))};
 }
 
 }  // namespace
@@ -89,15 +134,7 @@ std::optional<PlanningState::Outcome> PlanningState::TakeAnswer(
                     tools.blockages.All(), now);
     return std::nullopt;
   }
-  if (answer.HasPath()) {
-    return GoalTrouble{
-        .kind = failure_.failure == core::NavigationCause::kStartBlocked
-                    ? Trouble::kEnclosed
-                    : Trouble::kNoWay,
-        .cause = core::NavigationCause::kBlocked,
-        .why = absl::StrCat("what stands in the way leaves no other: ",
-                            failure_.why)};
-  }
+  if (answer.HasPath()) return OfBlockage(failure_, goal, robot, tools, now);
   if (purpose == PlanPurpose::kRoute &&
       answer.result->failure == core::NavigationCause::kPlanTimeout) {
     tools.plans.Ask(PlanPurpose::kFullRoute, robot, goal.Target(),

@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/testing_goal.h"
 
 namespace treeline::behavior {
@@ -48,6 +49,24 @@ TEST_F(PlanningStateTest, SaysThatWhatWasSeenIsInTheWay) {
   EXPECT_EQ(trouble.cause, core::NavigationCause::kBlocked);
   EXPECT_EQ(trouble.why,
             "what stands in the way leaves no other: walls everywhere");
+}
+
+TEST_F(PlanningStateTest, WaitsForAnOccupiedGoalThenSaysHowFarBesideItStands) {
+  Block({5.2, 2});
+  AnswerFailure(core::NavigationCause::kNoPath, "a crate");
+  const auto trouble = std::get<GoalTrouble>(Plan());
+  EXPECT_EQ(trouble.kind, Trouble::kOccupied);
+  EXPECT_EQ(trouble.cause, core::NavigationCause::kGoalBlocked);
+  clock.Advance_s(kBlockageMemory_s + 0.1);
+  AnswerFailure(core::NavigationCause::kNoPath, "a crate");
+  const auto end = std::get<GoalEnd>(Plan());
+  EXPECT_EQ(end.state, GoalState::kFailed);
+  EXPECT_EQ(end.cause, core::NavigationCause::kGoalBlocked);
+  EXPECT_EQ(end.why, "the goal is occupied: stopped 4.00 m beside it");
+  // A pose that is driven through is no goal.
+  goal = CourseTo({PoseAtPoint(5, 2), PoseAtPoint(8, 2)});
+  AnswerFailure(core::NavigationCause::kNoPath, "a crate");
+  EXPECT_EQ(std::get<GoalTrouble>(Plan()).kind, Trouble::kNoWay);
 }
 
 TEST_F(PlanningStateTest, KnowsThatItIsEnclosed) {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/str_format.h"
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/calibration/noise_model.h"
 #include "nav_agent/calibration/parameters.h"
 #include "nav_agent/calibration/robust_fit.h"
 
@@ -243,9 +243,13 @@ std::optional<Gyroscope> FitGyroscope(const WheelPath& path,
                    {at[1], bias_sigma, true}};
 }
 
-std::vector<MotionError> ErrorsOf(const Calibration& calibration) {
+std::vector<MotionError> ErrorsOf(const WheelPath& path,
+                                  const Calibration& calibration) {
   std::vector<MotionError> errors;
   const geometry::Rigid2& mount = calibration.found.base_from_laser;
+  const double delay_s = calibration.found.laser_delay_s;
+  const bool has_gyroscope =
+      path.HasGyroscope(calibration.assumed.wheels.track_m);
   for (const CheckedMotion& checked : calibration.motions) {
     if (checked.is_outlier) continue;
     const geometry::Rigid2 by_scans =
@@ -256,10 +260,17 @@ std::vector<MotionError> ErrorsOf(const Calibration& calibration) {
     const double course_rad =
         std::atan2(by_wheels.translation.y, by_wheels.translation.x) -
         by_wheels.yaw_rad;
+    double yaw_error_rad = error.yaw_rad;
+    if (has_gyroscope) {
+      const auto turn = path.GyroscopeTurn_rad(checked.laser.begin_s - delay_s,
+                                               checked.laser.end_s - delay_s);
+      if (!turn) continue;
+      yaw_error_rad = *turn - by_scans.yaw_rad;
+    }
     errors.push_back({way_m, by_wheels.yaw_rad,
                       geometry::Dot(error.translation, {std::cos(course_rad),
                                                         std::sin(course_rad)}),
-                      error.yaw_rad});
+                      yaw_error_rad});
   }
   return errors;
 }
@@ -298,9 +309,11 @@ Calibration CalibrateFromMotions(const WheelPath& path, const Setup& assumed,
   Check(path, solution, motions, calibration);
   HoldOut(path, motions, shows_delay, calibration);
   calibration.gyroscope = FitGyroscope(path, calibration);
-  const auto noise = FitNoise(ErrorsOf(calibration));
-  calibration.has_noise = noise.has_value();
-  if (noise) calibration.noise = *noise;
+  const std::vector<MotionError> errors = ErrorsOf(path, calibration);
+  calibration.noise = FitNoise(errors);
+  if (assumed.noise && calibration.noise) {
+    calibration.excess = ExcessOver(*assumed.noise, errors);
+  }
   return calibration;
 }
 
@@ -330,6 +343,15 @@ std::vector<Misfit> FindMisfits(const Calibration& calibration) {
     }
   }
   return misfits;
+}
+
+std::string NoiseMisfit(const Calibration& calibration) {
+  const NoiseExcess& excess = calibration.excess;
+  if (std::max(excess.yaw, excess.along) <= kFitsNoise) return "";
+  return absl::StrFormat(
+      "odometry errs %.1f times (along) and %.1f times (in yaw) as much as the "
+      "odometry noise says",
+      excess.along, excess.yaw);
 }
 
 }  // namespace treeline::calibration

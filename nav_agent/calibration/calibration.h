@@ -13,9 +13,9 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/calibration/drive.h"
 #include "nav_agent/calibration/laser_motions.h"
+#include "nav_agent/calibration/noise_model.h"
 #include "nav_agent/calibration/setup.h"
 #include "nav_agent/calibration/wheel_path.h"
-#include "nav_agent/localization/odometry_motion.h"
 
 namespace treeline::calibration {
 
@@ -59,10 +59,12 @@ struct Calibration {
   // variance that was left of what is known beforehand.
   std::array<double, kQuantities * kQuantities> covariance{};
   std::optional<Gyroscope> gyroscope;
-  // As AMCL takes it, for wheels as calibrated; an upper bound, as it includes
-  // what matching errs. has_noise: turns and straight stretches were there.
-  localization::OdometryNoise noise;
-  bool has_noise = false;
+  // Of wheels as calibrated, and of turns by the gyroscope where there is one:
+  // as the robot takes its odometry. Without outliers. An upper bound, as it
+  // includes what matching errs. nullopt: turns or straight stretches lack.
+  std::optional<NoiseFit> noise;
+  // Against assumed.noise; of that, all 0 without it.
+  NoiseExcess excess;
 
   std::vector<CheckedMotion> motions;
   int outliers = 0;
@@ -116,6 +118,10 @@ struct Misfit {
 // What of `assumed` the drive contradicts: known, and off by more than
 // kFitsSigmas of its uncertainty and than kFits... allows.
 std::vector<Misfit> FindMisfits(const Calibration& calibration);
+// What to say if odometry errs more than assumed.noise says, by more than
+// kFitsNoise; empty if not, or if nothing is assumed or measured. A robot that
+// errs less is not spoken of.
+std::string NoiseMisfit(const Calibration& calibration);
 
 }  // namespace treeline::calibration
 

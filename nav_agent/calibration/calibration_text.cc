@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "nav_agent/calibration/parameters.h"
 
 namespace treeline::calibration {
 namespace {
@@ -96,6 +97,21 @@ std::string Uncertainty(Quantity quantity, const Calibration& calibration) {
                       SigmaText(quantity, calibration.Of(quantity).sigma));
 }
 
+// Less than the least is not told.
+std::string NoiseUncertainty(double share, double sigma) {
+  return share > kNoiseFloor ? absl::StrFormat("+- %.4f", sigma) : "or less";
+}
+
+void AddNoise(const Calibration& calibration, const char* section,
+              std::vector<FileEntry>& entries) {
+  if (!calibration.noise) return;
+  for (const auto& [name, value] : core::kNoiseKeys) {
+    entries.push_back({section, name, Number(calibration.noise->noise.*value),
+                       NoiseUncertainty(calibration.noise->noise.*value,
+                                        calibration.noise->sigma.*value)});
+  }
+}
+
 std::string CameraText(CameraQuantity quantity, double value) {
   switch (quantity) {
     case CameraQuantity::kX:
@@ -139,14 +155,16 @@ std::string CalibrationTable(const Calibration& calibration) {
   AddResiduals("before", calibration.before, text);
   AddResiduals("after", calibration.after, text);
   AddResiduals("held out", calibration.held_out, text);
-  if (calibration.has_noise) {
-    const localization::OdometryNoise& noise = calibration.noise;
-    absl::StrAppendFormat(
-        &text,
-        "odometry noise, calibrated, at most: turn_from_turn %.3f, "
-        "turn_from_drive %.3f, drive_from_drive %.3f, drive_from_turn %.3f\n",
-        noise.turn_from_turn, noise.turn_from_drive, noise.drive_from_drive,
-        noise.drive_from_turn);
+  if (calibration.noise) {
+    text += "odometry noise, calibrated, at most:";
+    for (const auto& [name, value] : core::kNoiseKeys) {
+      absl::StrAppendFormat(&text, "%s %s %.4f %s",
+                            value == core::kNoiseKeys[0].value ? "" : ",", name,
+                            calibration.noise->noise.*value,
+                            NoiseUncertainty(calibration.noise->noise.*value,
+                                             calibration.noise->sigma.*value));
+    }
+    text += "\n";
   } else {
     text +=
         "odometry noise: not observable in this drive; drive both straight "
@@ -176,12 +194,11 @@ std::string CalibrationJson(const Calibration& calibration) {
                          {"bias_sigma_radps", gyroscope.bias_radps.sigma},
                          {"known", gyroscope.scale.is_known}};
   }
-  if (calibration.has_noise) {
-    const localization::OdometryNoise& noise = calibration.noise;
-    json["noise"] = {{"turn_from_turn", noise.turn_from_turn},
-                     {"turn_from_drive", noise.turn_from_drive},
-                     {"drive_from_drive", noise.drive_from_drive},
-                     {"drive_from_turn", noise.drive_from_turn}};
+  if (calibration.noise) {
+    for (const auto& [name, value] : core::kNoiseKeys) {
+      json["noise"][name] = calibration.noise->noise.*value;
+      json["noise_sigma"][name] = calibration.noise->sigma.*value;
+    }
   }
   json["stretches"] = calibration.stretches;
   json["matched"] = calibration.motions.size();
@@ -205,6 +222,7 @@ std::vector<FileEntry> RobotFileEntries(const Calibration& calibration,
   add(Quantity::kLeftScale, "odometry", "left_scale");
   add(Quantity::kRightScale, "odometry", "right_scale");
   add(Quantity::kLaserDelay, "odometry", "laser_delay_s");
+  AddNoise(calibration, "odometry", entries);
   const Estimate& x = calibration.Of(Quantity::kLaserX);
   const Estimate& y = calibration.Of(Quantity::kLaserY);
   if (x.is_known || y.is_known) {
@@ -234,6 +252,7 @@ std::vector<FileEntry> HardwareFileEntries(const Calibration& calibration) {
     entries.push_back({"", key, Number(calibration.Of(quantity).value),
                        Uncertainty(quantity, calibration)});
   }
+  AddNoise(calibration, "", entries);
   return entries;
 }
 
@@ -255,6 +274,7 @@ std::vector<FileEntry> RosFileEntries(const Calibration& calibration,
          absl::StrFormat("+- %.4f", wheel_track_m * track.sigma /
                                         (track.value * track.value))});
   }
+  AddNoise(calibration, "", entries);
   const Estimate& x = calibration.Of(Quantity::kLaserX);
   const Estimate& y = calibration.Of(Quantity::kLaserY);
   const Estimate& yaw = calibration.Of(Quantity::kLaserYaw);

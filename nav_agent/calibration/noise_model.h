@@ -1,11 +1,11 @@
-// How wrong odometry is, as the robot's particle filter takes it.
+// How wrong odometry is.
 #ifndef NAV_AGENT_CALIBRATION_NOISE_MODEL_H_
 #define NAV_AGENT_CALIBRATION_NOISE_MODEL_H_
 
 #include <optional>
 #include <span>
 
-#include "nav_agent/localization/odometry_motion.h"
+#include "nav_agent/core/odometry_noise.h"
 
 namespace treeline::calibration {
 
@@ -22,10 +22,25 @@ struct MotionError {
 //   yaw: turn_from_turn |turn| + turn_from_drive way
 //   along: drive_from_drive way + drive_from_turn |turn|
 //
-// found on a grid of steps of a fifth, not below kNoiseFloor. nullopt: there
-// are not both turns and straight motions.
-std::optional<localization::OdometryNoise> FitNoise(
-    std::span<const MotionError> errors);
+// found on a grid of steps of a fifth and then of 3 %, not below kNoiseFloor.
+// Errors are in the order of the drive: their sigma is that of leaving out one
+// of kBlocks parts of it at a time (jackknife), as neighbouring errors are not
+// independent.
+struct NoiseFit {
+  core::MeasuredOdometryNoise noise;
+  core::MeasuredOdometryNoise sigma;
+};
+// nullopt: there are not both turns and straight motions.
+std::optional<NoiseFit> FitNoise(std::span<const MotionError> errors);
+
+// How much larger the errors are than `noise` says, of yaw and along: 1 if it
+// fits. The root of their mean square in standard deviations; without errors 0.
+struct NoiseExcess {
+  double yaw = 0;
+  double along = 0;
+};
+NoiseExcess ExcessOver(const core::MeasuredOdometryNoise& noise,
+                       std::span<const MotionError> errors);
 
 }  // namespace treeline::calibration
 

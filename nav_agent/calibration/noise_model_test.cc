@@ -32,11 +32,24 @@ TEST(NoiseModel, FindsTheSharesThatErrorsWereDrawnFrom) {
   }
   const auto noise = FitNoise(errors);
   ASSERT_TRUE(noise.has_value());
-  EXPECT_NEAR(noise->turn_from_turn, 0.08, 0.25 * 0.08);
-  EXPECT_NEAR(noise->turn_from_drive, 0.03, 0.25 * 0.03);
-  EXPECT_NEAR(noise->drive_from_drive, 0.05, 0.25 * 0.05);
-  EXPECT_NEAR(noise->drive_from_turn, 0.02, 0.25 * 0.02);
-  EXPECT_TRUE(noise->Validate().ok());
+  EXPECT_NEAR(noise->noise.turn_from_turn, 0.08, 0.25 * 0.08);
+  EXPECT_NEAR(noise->noise.turn_from_drive, 0.03, 0.25 * 0.03);
+  EXPECT_NEAR(noise->noise.drive_from_drive, 0.05, 0.25 * 0.05);
+  EXPECT_NEAR(noise->noise.drive_from_turn, 0.02, 0.25 * 0.02);
+  // Errors are independent here: what is stated is what they scatter, which is
+  // a few per cent of each, and never nothing.
+  for (const auto& [name, value] : core::kNoiseKeys) {
+    EXPECT_GT(noise->sigma.*value, 0.005 * noise->noise.*value) << name;
+    EXPECT_LT(noise->sigma.*value, 0.3 * noise->noise.*value) << name;
+  }
+  // They fit what they were drawn from, and twice that is twice as much.
+  const NoiseExcess fits = ExcessOver(noise->noise, errors);
+  EXPECT_NEAR(fits.yaw, 1, 0.05);
+  EXPECT_NEAR(fits.along, 1, 0.05);
+  for (MotionError& error : errors) error.along_m *= 2;
+  EXPECT_NEAR(ExcessOver(noise->noise, errors).along, 2, 0.1);
+  EXPECT_NEAR(ExcessOver(noise->noise, errors).yaw, 1, 0.05);
+  EXPECT_EQ(ExcessOver(noise->noise, {}).yaw, 0);
 }
 
 TEST(CalibrationParameters, HaveANameOfTheirOwnAndSayWhy) {

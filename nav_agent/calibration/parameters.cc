@@ -22,9 +22,10 @@ std::vector<base::ParameterRow> CalibrationParameters() {
           base::RowOf(kKnownMount_m),    base::RowOf(kKnownYaw_rad),
           base::RowOf(kKnownDelay_s),    base::RowOf(kFitsScale),
           base::RowOf(kFitsMount_m),     base::RowOf(kFitsYaw_rad),
-          base::RowOf(kFitsDelay_s),     base::RowOf(kFitsSigmas),
-          base::RowOf(kCauchySigmas),    base::RowOf(kOutlierSigmas),
-          base::RowOf(kBlocks),          base::RowOf(kNoiseFloor)};
+          base::RowOf(kFitsDelay_s),     base::RowOf(kFitsNoise),
+          base::RowOf(kFitsSigmas),      base::RowOf(kCauchySigmas),
+          base::RowOf(kOutlierSigmas),   base::RowOf(kBlocks),
+          base::RowOf(kNoiseFloor)};
 }
 
 }  // namespace treeline::calibration

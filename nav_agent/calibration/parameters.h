@@ -140,6 +140,10 @@ inline constexpr base::Parameter<double> kFitsYaw_rad{
 inline constexpr base::Parameter<double> kFitsDelay_s{
     "fits_delay", 0.01, "s", base::ParameterOrigin::kTuned,
     "less is not seen in a map"};
+inline constexpr base::Parameter<double> kFitsNoise{
+    "fits_noise", 2, "", base::ParameterOrigin::kTuned,
+    "times the noise as measured: scans match worse in other rooms, and what "
+    "uses it has a margin"};
 inline constexpr base::Parameter<double> kFitsSigmas{
     "fits_sigmas", 3, "", base::ParameterOrigin::kTuned,
     "standard deviations that a value may be off"};

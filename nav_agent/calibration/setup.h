@@ -2,8 +2,11 @@
 #ifndef NAV_AGENT_CALIBRATION_SETUP_H_
 #define NAV_AGENT_CALIBRATION_SETUP_H_
 
+#include <optional>
+
 #include "common/geometry/rigid2.h"
 #include "nav_agent/calibration/wheel_path.h"
+#include "nav_agent/core/odometry_noise.h"
 #include "nav_agent/core/robot_model.h"
 
 namespace treeline::calibration {
@@ -14,6 +17,8 @@ struct Setup {
   geometry::Rigid2 base_from_laser;
   // Scans are stamped this much later than wheel readings of the same moment.
   double laser_delay_s = 0;
+  // Of the wheels as they are then understood; nullopt: nobody measured it.
+  std::optional<core::MeasuredOdometryNoise> noise{};
 };
 
 // The numbers of a Setup, in this order.

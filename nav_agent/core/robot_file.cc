@@ -253,12 +253,8 @@ absl::Status ReadCamera(const yaml::YamlNode& file, RobotModel& model) {
   return absl::OkStatus();
 }
 
-absl::Status ReadCorrection(const yaml::YamlNode& file,
+absl::Status ReadCorrection(const yaml::YamlNode& node,
                             SensorCorrection& correction) {
-  if (!file.Has("odometry")) return absl::OkStatus();
-  TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, file.Get("odometry"));
-  TL_RETURN_IF_ERROR(node.CheckKeys({"left_scale", "right_scale", "turn_scale",
-                                     "laser_delay_s", "camera_delay_s"}));
   TL_ASSIGN_OR_RETURN(
       correction.left_scale,
       node.NumberOr("left_scale", correction.left_scale, kMinScale, kMaxScale));
@@ -275,6 +271,30 @@ absl::Status ReadCorrection(const yaml::YamlNode& file,
                       node.NumberOr("camera_delay_s", correction.camera_delay_s,
                                     -kMaxDelay_s, kMaxDelay_s));
   return absl::OkStatus();
+}
+
+absl::Status ReadNoise(const yaml::YamlNode& node,
+                       std::optional<MeasuredOdometryNoise>& noise) {
+  MeasuredOdometryNoise told;
+  for (const auto& [name, value] : kNoiseKeys) {
+    TL_ASSIGN_OR_RETURN(told.*value,
+                        node.NumberOr(name, 0, kLeastNoise, kMostNoise));
+  }
+  const auto read = NoiseOfFile(told);
+  if (!read.ok()) return node.Error(read.status().message());
+  if (read->has_value()) noise = *read;
+  return absl::OkStatus();
+}
+
+absl::Status ReadOdometry(const yaml::YamlNode& file, RobotDescription& robot) {
+  if (!file.Has("odometry")) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, file.Get("odometry"));
+  TL_RETURN_IF_ERROR(node.CheckKeys({"left_scale", "right_scale", "turn_scale",
+                                     "laser_delay_s", "camera_delay_s",
+                                     "turn_from_turn", "turn_from_drive",
+                                     "drive_from_drive", "drive_from_turn"}));
+  TL_RETURN_IF_ERROR(ReadCorrection(node, robot.correction));
+  return ReadNoise(node, robot.noise);
 }
 
 }  // namespace
@@ -345,7 +365,7 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
   TL_RETURN_IF_ERROR(ReadMeasures(file, robot.model));
   TL_RETURN_IF_ERROR(ReadLasers(file, robot));
   TL_RETURN_IF_ERROR(ReadCamera(file, robot.model));
-  TL_RETURN_IF_ERROR(ReadCorrection(file, robot.correction));
+  TL_RETURN_IF_ERROR(ReadOdometry(file, robot));
   const absl::Status valid = robot.Validate();
   if (!valid.ok()) return file.Error(valid.message());
   return robot;

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "nav_agent/core/odometry_noise.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
@@ -37,6 +38,8 @@ struct RobotDescription {
   RobotModel model;
   RobotLasers lasers;
   SensorCorrection correction{};
+  // nullopt: nobody measured it.
+  std::optional<MeasuredOdometryNoise> noise{};
 
   absl::Status Validate() const;
 };

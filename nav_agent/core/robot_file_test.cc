@@ -72,6 +72,33 @@ TEST(RobotFile, SaysWhatMeasurementsAreCorrectedByAndWhereTheCameraIs) {
   EXPECT_FALSE(ParseRobot("camera: {up: 1}", "a.yaml").ok());
 }
 
+TEST(RobotFile, SaysHowNoisyOdometryIs) {
+  EXPECT_FALSE(ReadRobot("jackal")->noise.has_value());
+  EXPECT_FALSE(ParseRobot("odometry: {left_scale: 0.99}", "a")->noise);
+  const auto robot = ParseRobot(
+      "odometry: {turn_from_turn: 0.04, turn_from_drive: 0.03,\n"
+      "  drive_from_drive: 0.02, drive_from_turn: 0.01, left_scale: 0.99}\n",
+      "a.yaml");
+  ASSERT_TRUE(robot.ok()) << robot.status();
+  EXPECT_EQ(robot->noise, (MeasuredOdometryNoise{0.04, 0.03, 0.02, 0.01}));
+  EXPECT_DOUBLE_EQ(robot->correction.left_scale, 0.99);
+  EXPECT_THAT(
+      ParseRobot("like: jackal\nodometry:\n  turn_from_turn: 0.04", "a.yaml")
+          .status()
+          .message(),
+      HasSubstr("turn_from_drive, drive_from_drive, drive_from_turn "
+                "are missing"));
+  for (const char* wrong : {"0", "2", "-0.1", ".nan", "little"}) {
+    EXPECT_THAT(
+        ParseRobot(std::string("odometry: {turn_from_turn: ") + wrong + "}",
+                   "a.yaml")
+            .status()
+            .message(),
+        HasSubstr("turn_from_turn"))
+        << wrong;
+  }
+}
+
 TEST(RobotFile, MistakesAreNamedWithTheirLines) {
   EXPECT_THAT(ParseRobot("like: r2d2", "a.yaml").status().message(),
               HasSubstr("there is no robot 'r2d2'; there are rmp100, jackal, "

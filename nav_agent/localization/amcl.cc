@@ -128,7 +128,7 @@ Amcl::Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
       seed_(seed),
       search_places_(std::make_shared<const std::vector<FreePlace>>(
           OnePlaceOfEachSquare(free_places_, kSearchGrid_m))),
-      places_(options.places) {}
+      places_(options.places, options.odometry) {}
 
 Particle Amcl::AnyParticle(base::Random& random) const {
   const FreePlace& free = free_places_[random.NextBelow(

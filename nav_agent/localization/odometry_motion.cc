@@ -1,5 +1,6 @@
 #include "nav_agent/localization/odometry_motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,6 +8,25 @@
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
+
+OdometryNoise OdometryNoise::Of(const core::MeasuredOdometryNoise& measured) {
+  const OdometryNoise noise = {
+      .turn_from_turn = kNoiseMargin * measured.turn_from_turn,
+      .turn_from_drive = kNoiseMargin * measured.turn_from_drive,
+      .drive_from_drive = kNoiseMargin * measured.drive_from_drive,
+      .drive_from_turn = kNoiseMargin * measured.drive_from_turn};
+  return noise.AtLeastUsual();
+}
+
+OdometryNoise OdometryNoise::AtLeastUsual() const {
+  const OdometryNoise usual;
+  return {
+      .turn_from_turn = std::max(turn_from_turn, usual.turn_from_turn),
+      .turn_from_drive = std::max(turn_from_drive, usual.turn_from_drive),
+      .drive_from_drive = std::max(drive_from_drive, usual.drive_from_drive),
+      .drive_from_turn = std::max(drive_from_turn, usual.drive_from_turn)};
+}
+
 absl::Status OdometryNoise::Validate() const {
   const std::pair<const char*, double> shares[] = {
       {"turn_from_turn", turn_from_turn},

@@ -5,6 +5,7 @@
 #include "absl/status/status.h"
 #include "common/base/random.h"
 #include "common/geometry/rigid2.h"
+#include "nav_agent/core/odometry_noise.h"
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
@@ -20,6 +21,12 @@ struct OdometryNoise {
   // Of the way, from driving and from turning (m per m, m per rad).
   double drive_from_drive = kDriveFromDrive;
   double drive_from_turn = kDriveFromTurn;
+
+  // For a robot whose odometry was measured: kNoiseMargin of that, and no less
+  // than usual.
+  static OdometryNoise Of(const core::MeasuredOdometryNoise& measured);
+  // Each share at least as large as the default.
+  OdometryNoise AtLeastUsual() const;
 
   // INVALID_ARGUMENT for what is negative, above 10, or not a number.
   absl::Status Validate() const;

@@ -107,5 +107,21 @@ TEST(OdometryNoise, RefusesWhatIsNoShare) {
             "odometry noise: drive_from_turn is -1; it must be 0..10");
 }
 
+TEST(OdometryNoise, OfAMeasuredRobotHasAMarginAndIsNoLessThanUsual) {
+  const OdometryNoise noise = OdometryNoise::Of({.turn_from_turn = 0.15,
+                                                 .turn_from_drive = 0.001,
+                                                 .drive_from_drive = 0.2,
+                                                 .drive_from_turn = 0.001});
+  EXPECT_DOUBLE_EQ(noise.turn_from_turn, kNoiseMargin * 0.15);
+  EXPECT_DOUBLE_EQ(noise.turn_from_drive, kTurnFromDrive);
+  EXPECT_DOUBLE_EQ(noise.drive_from_drive, kNoiseMargin * 0.2);
+  EXPECT_DOUBLE_EQ(noise.drive_from_turn, kDriveFromTurn);
+  // The most that files may say is still valid.
+  EXPECT_TRUE(OdometryNoise::Of({core::kMostNoise, core::kMostNoise,
+                                 core::kMostNoise, core::kMostNoise})
+                  .Validate()
+                  .ok());
+}
+
 }  // namespace
 }  // namespace treeline::localization

@@ -24,13 +24,15 @@ struct OdometryError {
   double rad = 0;
 };
 
-OdometryError ErrorOver(const geometry::Rigid2& from_from_to) {
+OdometryError ErrorOver(const geometry::Rigid2& from_from_to,
+                        const OdometryNoise& noise) {
   const double way_m = geometry::Norm(from_from_to.translation);
   const double turn_rad = std::abs(from_from_to.yaw_rad);
-  return {.m = kRefineStep_m / 2 + kDriveFromDrive * way_m +
-               kDriveFromTurn * turn_rad,
+  return {.m = kRefineStep_m / 2 + noise.drive_from_drive * way_m +
+               noise.drive_from_turn * turn_rad,
           .rad = kRefineTurnPerStep * kRefineStep_m / 2 +
-                 kTurnFromTurn * turn_rad + kTurnFromDrive * way_m};
+                 noise.turn_from_turn * turn_rad +
+                 noise.turn_from_drive * way_m};
 }
 
 ScanPoints Thinned(const ScanPoints& points, size_t at_most) {
@@ -43,6 +45,12 @@ ScanPoints Thinned(const ScanPoints& points, size_t at_most) {
 }
 
 }  // namespace
+
+PlaceHypotheses::PlaceHypotheses(const PlaceHypothesesOptions& options,
+                                 const OdometryNoise& odometry)
+    : options_(options),
+      // Maps are bent, too: none is taken to be better.
+      odometry_(odometry.AtLeastUsual()) {}
 
 // ---- what is followed ----
 
@@ -119,7 +127,7 @@ PlaceHypotheses::Fit PlaceHypotheses::Followed(const PlaceMap& map,
                                                int64_t to) {
   const geometry::Rigid2 from_from_to =
       At(from).odom_from_base.Inverse() * At(to).odom_from_base;
-  const OdometryError error = ErrorOver(from_from_to);
+  const OdometryError error = ErrorOver(from_from_to, odometry_);
   return Fitted(
       map, At(to),
       {.map_from_base = pose.map_from_base * from_from_to, .place = pose.place},

@@ -15,6 +15,7 @@
 #include "nav_agent/localization/global_pose_search.h"
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/likelihood_field.h"
+#include "nav_agent/localization/odometry_motion.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/scan_points.h"
 
@@ -90,8 +91,9 @@ struct PossiblePlace {
 // calls the same; not thread-safe.
 class PlaceHypotheses {
  public:
-  explicit PlaceHypotheses(const PlaceHypothesesOptions& options = {})
-      : options_(options) {}
+  // odometry: what moves between two viewpoints may be off.
+  explicit PlaceHypotheses(const PlaceHypothesesOptions& options = {},
+                           const OdometryNoise& odometry = {});
 
   // Nothing is known: all is forgotten, and doubt begins.
   void BeginDoubt();
@@ -197,6 +199,7 @@ class PlaceHypotheses {
   void Judge(bool may_end);
 
   PlaceHypothesesOptions options_;
+  OdometryNoise odometry_;
   bool in_doubt_ = false;
   std::deque<Viewpoint> viewpoints_;
   // The number of the first of them.

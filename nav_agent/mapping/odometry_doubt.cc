@@ -18,7 +18,24 @@ constexpr double kSearchMargin = 1.5;
 // Odometry that is worse than this says nothing (times the noise as given).
 constexpr double kMaxScale = 12;
 
+// Stretches of the measurement are longer than what lies between two matches,
+// and those on which wheels slipped were left out.
+constexpr double kNoiseMargin = 2;
+
 }  // namespace
+
+OdometryNoise OdometryNoise::AtLeast(
+    const OdometryNoise& usual, const core::MeasuredOdometryNoise& measured) {
+  const auto larger = [](double share, double measured_share) {
+    return std::max(share, kNoiseMargin * measured_share);
+  };
+  OdometryNoise noise = usual;
+  noise.m_per_m = larger(usual.m_per_m, measured.drive_from_drive);
+  noise.m_per_rad = larger(usual.m_per_rad, measured.drive_from_turn);
+  noise.rad_per_rad = larger(usual.rad_per_rad, measured.turn_from_turn);
+  noise.rad_per_m = larger(usual.rad_per_m, measured.turn_from_drive);
+  return noise;
+}
 
 OdometryDoubt::OdometryDoubt(const OdometryNoise& noise, double search_sigmas)
     : noise_(noise), search_sigmas_(search_sigmas) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/rigid2.h"
+#include "nav_agent/core/odometry_noise.h"
 
 namespace treeline::mapping {
 
@@ -43,6 +44,12 @@ struct OdometryNoise {
             .is_estimated = false,
             .initial_scale = 1};
   }
+
+  // `usual`, and for a way and a turn at least kNoiseMargin of what was
+  // measured of this robot: one whose wheels slip more is believed less. Not
+  // less than usual, as then matching would decide nothing.
+  static OdometryNoise AtLeast(const OdometryNoise& usual,
+                               const core::MeasuredOdometryNoise& measured);
 };
 
 // Learns the scale of OdometryNoise from innovations: what matching a scan adds

@@ -60,5 +60,20 @@ TEST(OdometryDoubt, StaysAsGivenIfItIsFixed) {
   EXPECT_NEAR(doubt.SearchOf({}).m, noise.min_search_m, 1e-12);
 }
 
+TEST(OdometryDoubt, ARobotThatWasMeasuredToSlipIsBelievedLess) {
+  const OdometryNoise usual = OdometryNoise::WithGyroscope();
+  const OdometryNoise slips =
+      OdometryNoise::AtLeast(usual, {.turn_from_turn = 0.1,
+                                     .turn_from_drive = 0.001,
+                                     .drive_from_drive = 0.05,
+                                     .drive_from_turn = 0.001});
+  EXPECT_DOUBLE_EQ(slips.rad_per_rad, 0.2);
+  EXPECT_DOUBLE_EQ(slips.m_per_m, 0.1);
+  // No robot is believed more than usual.
+  EXPECT_DOUBLE_EQ(slips.rad_per_m, usual.rad_per_m);
+  EXPECT_DOUBLE_EQ(slips.m_per_rad, usual.m_per_rad);
+  EXPECT_FALSE(slips.is_estimated);
+}
+
 }  // namespace
 }  // namespace treeline::mapping

@@ -43,6 +43,21 @@ WheelOdometryErrors WheelOdometryErrors::None() {
           .yaw_rate_noise_radps = 0};
 }
 
+void WheelOdometryErrors::UseNoise(const core::MeasuredOdometryNoise& noise,
+                                   double track_m) {
+  // A wheel errs by d sqrt(way) of a way and t sqrt(turn) of a turn. Of both
+  // wheels, the mean errs by 1 / sqrt(2) of that, the turn by sqrt(2) / track.
+  // The measurement's stretches are so long.
+  constexpr double kStretch_m = 0.5;
+  constexpr double kStretch_rad = 0.35;
+  distance_m_per_sqrt_m =
+      std::sqrt(2 * kStretch_m) *
+      std::max(noise.drive_from_drive, noise.turn_from_drive * track_m / 2);
+  turn_m_per_sqrt_rad =
+      std::sqrt(2 * kStretch_rad) *
+      std::max(noise.drive_from_turn, noise.turn_from_turn * track_m / 2);
+}
+
 absl::Status WheelOdometryErrors::Validate() const {
   const std::pair<const char*, std::pair<double, double>> fields[] = {
       {"wheel_radius", {wheel_radius, 0.1}},

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "absl/status/status.h"
+#include "nav_agent/core/odometry_noise.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
@@ -36,6 +37,10 @@ struct WheelOdometryErrors {
   // Of the yaw rate: a share of it, and white noise.
   double yaw_rate_scale = 0.005;
   double yaw_rate_noise_radps = 0.003;
+
+  // Counters' noise such that wheels alone, calibrated, err by this. What
+  // wheels, track, slopes and the inertial sensor do stays.
+  void UseNoise(const core::MeasuredOdometryNoise& noise, double track_m);
 
   // No errors at all.
   static WheelOdometryErrors None();

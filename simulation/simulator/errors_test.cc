@@ -63,6 +63,41 @@ TEST(WheelOdometryErrors, NoneMeansNone) {
               run.true_rad, 1e-9);
 }
 
+// Over half a metre, the way's error; over 20 degrees, the turn's.
+TEST(WheelOdometryErrors, WheelsErrAsARobotWasMeasuredTo) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
+  const double track_m = core::RobotModel().wheel_track_m;
+  errors.UseNoise({.turn_from_turn = 0.05,
+                   .turn_from_drive = 0.01,
+                   .drive_from_drive = 0.04,
+                   .drive_from_turn = 0.001},
+                  track_m);
+  ASSERT_TRUE(errors.Validate().ok());
+  std::vector<double> along;
+  std::vector<double> yaw;
+  double way_m = 0;
+  double turn_rad = 0;
+  for (uint64_t seed = 0; seed < kRuns; ++seed) {
+    const Result ahead = DriveFor(errors, seed, {0.5, 0}, 1.3);
+    along.push_back(
+        0.5 * (ahead.counters.left_wheel_m + ahead.counters.right_wheel_m) -
+        ahead.true_m);
+    way_m = ahead.true_m;
+    const Result turns = DriveFor(errors, seed, {0, 0.5}, 0.8);
+    yaw.push_back((turns.counters.right_wheel_m - turns.counters.left_wheel_m) /
+                      track_m -
+                  turns.true_rad);
+    turn_rad = turns.true_rad;
+  }
+  EXPECT_NEAR(way_m, 0.5, 0.06);
+  EXPECT_NEAR(turn_rad, 0.35, 0.04);
+  // 400 runs tell a deviation to 4 / sqrt(800); the way is so far from its
+  // stretch; and turns on the spot are ways of both wheels, too.
+  EXPECT_NEAR(SpreadOf(along).deviation, 0.04 * way_m, 0.25 * 0.04 * way_m);
+  EXPECT_GT(SpreadOf(yaw).deviation, 0.75 * 0.05 * turn_rad);
+  EXPECT_LT(SpreadOf(yaw).deviation, 4 * 0.05 * turn_rad);
+}
+
 TEST(WheelOdometryErrors, CountersSpreadWithTheSquareRootOfTheWay) {
   WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.distance_m_per_sqrt_m = 0.02;

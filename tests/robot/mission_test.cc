@@ -222,6 +222,42 @@ TEST(Mission, GivesUpWhenTheWayStaysBlockedAndTakesTheNextGoal) {
   EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
 }
 
+// Between tables, where it has no room to turn to that heading: it went to and
+// fro there for two minutes, with 83 events of something in its way.
+TEST(Mission, AGoalThatItCannotTakeEndsSoon) {
+  TestMission mission({});
+  mission.Send({mission.At(3.0, 2.0, 3.14)});
+  const behavior::GoalStatus goal = mission.RunToEnd(90);
+  EXPECT_EQ(goal.state, behavior::GoalState::kFailed) << mission.Story();
+  EXPECT_EQ(goal.cause, core::NavigationCause::kGoalBlocked);
+  EXPECT_TRUE(mission.HasEvent("goal", "there is no room to turn"))
+      << mission.Story();
+  EXPECT_LE(std::ranges::count(mission.events(), "blocked",
+                               &behavior::NavigatorEvent::kind),
+            6)
+      << mission.Story();
+  mission.Run(1);
+  EXPECT_TRUE(Stands(mission));
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
+
+// Something stands on the goal, and stays.
+TEST(Mission, WaitsBesideAnOccupiedGoalAndSaysSo) {
+  TestMission mission({.start = {3.0, 7.9}});
+  AddCrate(mission, "crate", kCounter.x, kCounter.y);
+  mission.Send({mission.At(kCounter.x, kCounter.y)});
+  const behavior::GoalStatus goal = mission.RunToEnd(90);
+  EXPECT_EQ(goal.state, behavior::GoalState::kFailed) << mission.Story();
+  EXPECT_EQ(goal.cause, core::NavigationCause::kGoalBlocked) << mission.Story();
+  EXPECT_TRUE(mission.HasEvent("goal", "the goal is occupied: stopped"))
+      << mission.Story();
+  EXPECT_TRUE(mission.HasEvent("recovery", "something stands on the goal"));
+  EXPECT_FALSE(mission.HasEvent("recovery", "back up"));
+  EXPECT_TRUE(Stands(mission));
+  EXPECT_LT(FromCounter_m(mission), 2);
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
+
 // Thesis 6.6.1 and Fig. 6.11: a person steps in front of the robot.
 TEST(Mission, PassesAPersonWhoStepsInFront) {
   TestMission mission({});

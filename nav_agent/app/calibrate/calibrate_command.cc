@@ -46,7 +46,11 @@ absl::Status Check(const std::string& file,
                 misfit.assumed, calibration::UnitOf(misfit.quantity),
                 file.c_str(), misfit.found, misfit.sigma);
   }
-  if (misfits.empty()) {
+  const std::string noise = calibration::NoiseMisfit(found);
+  if (!noise.empty()) {
+    std::printf("does not fit: %s in %s\n", noise.c_str(), file.c_str());
+  }
+  if (misfits.empty() && noise.empty()) {
     std::printf("%s fits this drive, as far as the drive shows it\n",
                 file.c_str());
     return absl::OkStatus();

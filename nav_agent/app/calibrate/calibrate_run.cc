@@ -319,6 +319,7 @@ absl::StatusOr<Setup> ReadSetup(const std::string& robot,
     model.wheel_track_m = recorded.wheel_track_m;
   }
   Setup setup = SetupOf(model, file.robot.correction);
+  setup.noise = file.robot.noise;
   setup.wheels.track_m /= file.robot.correction.turn_scale;
   return setup;
 }

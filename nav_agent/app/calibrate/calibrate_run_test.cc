@@ -75,6 +75,26 @@ TEST_F(CalibrateRun, WritesFilesThatThenFit) {
   const auto again = RunCalibration({.log = log_, .robot = robot}, {});
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_THAT(calibration::FindMisfits(again->calibration), IsEmpty());
+  // So does the noise, which is that of this very drive.
+  ASSERT_TRUE(setup->noise.has_value());
+  ASSERT_TRUE(found->calibration.noise.has_value());
+  EXPECT_NEAR(setup->noise->turn_from_turn,
+              found->calibration.noise->noise.turn_from_turn, 6e-5);
+  EXPECT_GT(again->calibration.excess.along, 0.5);
+  EXPECT_EQ(calibration::NoiseMisfit(again->calibration), "");
+}
+
+TEST_F(CalibrateRun, SaysThatOdometryErrsMoreThanTheFileSays) {
+  const std::string robot = folder_.Path("robot.yaml");
+  ASSERT_TRUE(base::WriteFileAtomically(
+                  robot,
+                  "odometry: {turn_from_turn: 0.001, turn_from_drive: 0.001, "
+                  "drive_from_drive: 0.001, drive_from_turn: 0.001}\n")
+                  .ok());
+  const auto found = RunCalibration({.log = log_, .robot = robot}, {});
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_THAT(calibration::NoiseMisfit(found->calibration),
+              HasSubstr("as much as the odometry noise says"));
 }
 
 TEST_F(CalibrateRun, ACorrectedLogNeedsNoCalibration) {
@@ -111,6 +131,9 @@ TEST_F(CalibrateRun, WritesHardwareFiles) {
               found->calibration.Of(Quantity::kLaserYaw).value, 6e-5);
   EXPECT_NEAR(setup->laser_delay_s,
               found->calibration.Of(Quantity::kLaserDelay).value, 6e-5);
+  ASSERT_TRUE(setup->noise.has_value());
+  EXPECT_NEAR(setup->noise->drive_from_drive,
+              found->calibration.noise->noise.drive_from_drive, 6e-5);
 }
 
 // Turns of its odometry do not follow from the track: what is found of that is

@@ -205,6 +205,10 @@ Finding JudgeCalibration(
         calibration::NameOf(misfit.quantity), misfit.found,
         calibration::UnitOf(misfit.quantity), misfit.assumed, misfit.sigma));
   }
+  if (std::string noise = calibration::NoiseMisfit(*calibration);
+      !noise.empty()) {
+    off.push_back(std::move(noise));
+  }
   if (off.empty()) {
     finding.verdict = Verdict::kOk;
     finding.found = absl::StrCat("fits ", drive);

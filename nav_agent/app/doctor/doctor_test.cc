@@ -103,6 +103,12 @@ TEST(Doctor, JudgesTheCalibration) {
   // Not known: nothing is said.
   track.is_known = false;
   EXPECT_EQ(JudgeCalibration("a.tlog", calibration).verdict, Verdict::kOk);
+  calibration.excess = {.yaw = 1.5, .along = 1.9};
+  EXPECT_EQ(JudgeCalibration("a.tlog", calibration).verdict, Verdict::kOk);
+  calibration.excess.yaw = 3.2;
+  const Finding noisy = JudgeCalibration("a.tlog", calibration);
+  EXPECT_EQ(noisy.verdict, Verdict::kWarn);
+  EXPECT_THAT(noisy.found, HasSubstr("3.2 times (in yaw) as much"));
   EXPECT_EQ(JudgeCalibration("a.tlog", absl::NotFoundError("no such")).verdict,
             Verdict::kWarn);
 }

@@ -18,7 +18,7 @@ constexpr int kLaserBaud = 115200;
 constexpr int kLaserPort = 10940;
 
 // HardwareConfig as a file has it: flat.
-struct HardwareFile {
+struct HardwareFile : core::MeasuredOdometryNoise {
   std::string laser;
   std::string base;
   std::string rear_laser;
@@ -98,6 +98,10 @@ const config::ConfigTable<HardwareFile>& HardwareTable() {
         "Scans are stamped later than wheel readings by this", -0.5, 0.5);
     add(&HardwareFile::camera_delay_s, "camera_delay_s",
         "... and pictures of the camera", -0.5, 0.5);
+    for (const auto& [name, value] : core::kNoiseKeys) {
+      add(value, name, "How noisy odometry was measured to be", 0,
+          core::kMostNoise);
+    }
     return made;
   }();
   return *table;
@@ -146,6 +150,9 @@ absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path) {
                                        .right_scale = file.right_wheel_scale,
                                        .laser_delay_s = file.laser_delay_s,
                                        .camera_delay_s = file.camera_delay_s}};
+  const auto noise = core::NoiseOfFile(file);
+  if (!noise.ok()) return base::Annotate(noise.status(), path);
+  config.noise = *noise;
   config.robot.front_m = file.front_m;
   config.robot.rear_m = file.rear_m;
   config.robot.half_width_m = file.half_width_m;

@@ -3,6 +3,7 @@
 #define NAV_AGENT_APP_HARDWARE_ROBOT_HARDWARE_H_
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -26,6 +27,8 @@ struct HardwareConfig {
   std::string camera = "none";
   core::RobotModel robot;
   core::SensorCorrection correction{};
+  // nullopt: nobody measured it.
+  std::optional<core::MeasuredOdometryNoise> noise{};
 
   // INVALID_ARGUMENT: an address is missing or none, no such camera, or the
   // robot's measures contradict each other.

@@ -247,10 +247,12 @@ absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
   ResolveBundle(flags);
   TL_RETURN_IF_ERROR(CheckFlags(flags));
   recording::LogCorrection correction;
+  std::optional<core::MeasuredOdometryNoise> noise;
   if (!flags.robot.empty()) {
     TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile robot,
                         ros_app::ReadAnyRobotFile(flags.robot));
     correction = robot.Correction();
+    noise = robot.robot.noise;
   }
   TL_ASSIGN_OR_RETURN(const ros_log::AsAgentLog log,
                       ros_log::AsAgentLog::Open(flags.log, false, correction));
@@ -259,8 +261,10 @@ absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
   }
   TL_ASSIGN_OR_RETURN(const RecordedDrive drive, ReadDrive(log.path()));
   TL_ASSIGN_OR_RETURN(const LocalizationMap map, MapOf(flags, drive));
-  TL_ASSIGN_OR_RETURN(const LocalizationRunOptions options,
-                      OptionsOf(flags, drive));
+  TL_ASSIGN_OR_RETURN(LocalizationRunOptions options, OptionsOf(flags, drive));
+  if (noise.has_value()) {
+    options.amcl.odometry = localization::OdometryNoise::Of(*noise);
+  }
   absl::StatusOr<LocalizationResult> result;
   {
     base::Progress progress(

@@ -66,6 +66,7 @@ struct MapFlags {
   std::string odometry_noise = "auto";
   std::string robot;
   recording::LogCorrection correction;
+  std::optional<core::MeasuredOdometryNoise> noise;
   bool no_loops = false;
   bool quiet = false;
 };
@@ -137,19 +138,29 @@ void PrintSummary(const MapSummary& summary) {
       static_cast<long long>(summary.moved_voxels), summary.folder.c_str());
 }
 
-void SetOdometryNoise(const std::string& name, MapLogOptions& options) {
-  if (name == "auto") return;
-  mapping::OdometryNoise noise;
-  noise.is_estimated = name == "learned";
-  if (name == "gyroscope") noise = mapping::OdometryNoise::WithGyroscope();
-  options.drive.slam.odometry = noise;
-  options.drive.odometry_noise = noise;
+// measured: of the robot's file.
+void SetOdometryNoise(
+    const std::string& name,
+    const std::optional<core::MeasuredOdometryNoise>& measured,
+    mapping::RecordingMapOptions& drive) {
+  if (name != "auto") {
+    mapping::OdometryNoise noise;
+    noise.is_estimated = name == "learned";
+    if (name == "gyroscope") noise = mapping::OdometryNoise::WithGyroscope();
+    drive.slam.odometry = noise;
+    drive.odometry_noise = noise;
+  } else if (measured.has_value()) {
+    for (mapping::OdometryNoise* usual :
+         {&drive.slam.odometry, &drive.odometry_noise}) {
+      *usual = mapping::OdometryNoise::AtLeast(*usual, *measured);
+    }
+  }
 }
 
 absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   MapLogOptions options;
   options.map = flags.map;
-  SetOdometryNoise(flags.odometry_noise, options);
+  SetOdometryNoise(flags.odometry_noise, flags.noise, options.drive);
   options.drive.slam.synchronous = true;
   options.drive.slam.loops.enabled = !flags.no_loops;
   options.stop = stop;
@@ -240,9 +251,19 @@ void PrintStatus(const LiveMapStatus& status) {
 absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(flags.live.Validate());
   TL_RETURN_IF_ERROR(flags.map.Validate());
+  const std::string& robot =
+      flags.live.ros2.empty() ? flags.live.hardware : flags.live.ros2;
+  if (!robot.empty()) {
+    // The recording tells of the robot itself.
+    TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
+                        ros_app::ReadAnyRobotFile(robot));
+    flags.correction.sensors = file.robot.correction;
+    flags.noise = file.robot.noise;
+  }
   TL_RETURN_IF_ERROR(
       map_bundle::BeginMapBundle(flags.map.folder, flags.map.overwrite));
   LiveMapOptions& live = flags.live.map;
+  SetOdometryNoise(flags.odometry_noise, flags.noise, live.drive);
   if (live.log_path.empty()) live.log_path = flags.map.folder + "/drive.tlog";
   live.picture_path = flags.map.folder + "/live.png";
   live.drive.slam.loops.enabled = !flags.no_loops;
@@ -257,14 +278,6 @@ absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(RecordLiveDrive(flags.live, stop));
   std::fprintf(stderr, "Recorded in %s\n", live.log_path.c_str());
   flags.log = live.log_path;
-  const std::string& robot =
-      flags.live.ros2.empty() ? flags.live.hardware : flags.live.ros2;
-  if (!robot.empty()) {
-    // The recording tells of the robot itself.
-    TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
-                        ros_app::ReadAnyRobotFile(robot));
-    flags.correction.sensors = file.robot.correction;
-  }
   // The stop that ended the drive is not meant for the map.
   return RunLog(flags, {});
 }
@@ -289,6 +302,7 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
     TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
                         ros_app::ReadAnyRobotFile(flags.robot));
     flags.correction = file.Correction();
+    flags.noise = file.robot.noise;
   }
   return flags.log.empty() ? RunRgbd(flags, stop) : RunLog(flags, stop);
 }
@@ -402,7 +416,7 @@ cli::Command AddMapCommand(CLI::App& app) {
                    "How far a laser log's odometry may be trusted: learned "
                    "from the log, or fixed as of wheels or of wheels with a "
                    "gyroscope; auto: gyroscope for agent logs, learned for "
-                   "others")
+                   "others, and no less than what the robot's file says")
       ->type_name("NAME")
       ->check(CLI::IsMember({"auto", "learned", "wheels", "gyroscope"}))
       ->capture_default_str();

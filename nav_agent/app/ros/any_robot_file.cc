@@ -24,7 +24,8 @@ core::RobotDescription RobotOf(const RosRobotConfig& config,
   core::RobotDescription robot = {.name = name,
                                   .model = config.robot,
                                   .lasers = {},
-                                  .correction = config.correction};
+                                  .correction = config.correction,
+                                  .noise = config.noise};
   if (config.base_from_laser.has_value()) {
     robot.model.base_from_laser = *config.base_from_laser;
   }
@@ -70,7 +71,8 @@ absl::StatusOr<AnyRobotFile> ReadAnyRobotFile(const std::string& name_or_path) {
     read.robot = {.name = name_or_path,
                   .model = config.robot,
                   .lasers = {},
-                  .correction = config.correction};
+                  .correction = config.correction,
+                  .noise = config.noise};
   } else if (read.kind == RobotFileKind::kRos) {
     TL_ASSIGN_OR_RETURN(const RosRobotConfig config,
                         ReadRosRobotConfig(name_or_path));

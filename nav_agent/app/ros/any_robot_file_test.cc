@@ -61,6 +61,30 @@ TEST_F(AnyRobotFileTest, EachKindIsKnownByItsKeys) {
   EXPECT_EQ(name->kind, RobotFileKind::kRobot);
 }
 
+TEST_F(AnyRobotFileTest, EachKindSaysHowNoisyOdometryIs) {
+  const core::MeasuredOdometryNoise noise = {0.04, 0.03, 0.02, 0.01};
+  const std::string flat =
+      "turn_from_turn: 0.04\nturn_from_drive: 0.03\n"
+      "drive_from_drive: 0.02\ndrive_from_turn: 0.01\n";
+  const std::string hardware = "laser: tcp:10.0.0.1\nbase: /dev/ttyUSB0\n";
+  const std::string ros = "domain_id: 3\n";
+  for (const std::string& file :
+       {hardware + flat, ros + flat,
+        std::string("odometry: {turn_from_turn: 0.04, turn_from_drive: 0.03, "
+                    "drive_from_drive: 0.02, drive_from_turn: 0.01}\n")}) {
+    const auto robot = Read(file);
+    ASSERT_TRUE(robot.ok()) << robot.status();
+    EXPECT_EQ(robot->robot.noise, noise) << file;
+  }
+  for (const std::string& kind : {hardware, ros}) {
+    EXPECT_FALSE(Read(kind)->robot.noise.has_value());
+    EXPECT_THAT(Read(kind + "turn_from_turn: 0.04\n").status().message(),
+                HasSubstr("are missing"));
+    EXPECT_THAT(Read(kind + "turn_from_turn: 4\n").status().message(),
+                HasSubstr("turn_from_turn"));
+  }
+}
+
 TEST_F(AnyRobotFileTest, ErrorsAreThoseOfTheKind) {
   EXPECT_THAT(Read("domain_id: 3\nturn_scale: 7\n").status().message(),
               HasSubstr("turn_scale"));

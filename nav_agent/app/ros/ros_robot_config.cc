@@ -16,7 +16,7 @@ namespace {
 using bridge_app::BridgeConfig;
 
 // The file, flat; what it shares with the relocalizer is read as there.
-struct RobotFile {
+struct RobotFile : core::MeasuredOdometryNoise {
   int domain_id = -1;
   std::string interface;
   std::string rmw;
@@ -172,6 +172,10 @@ void AddCorrection(Table& table) {
       "Scans are stamped later than odometry by this", -0.5, 0.5);
   add(&RobotFile::camera_delay_s, "camera_delay_s",
       "... and pictures of the camera", -0.5, 0.5);
+  for (const auto& [name, value] : core::kNoiseKeys) {
+    add(value, name, "How noisy odometry was measured to be", 0,
+        core::kMostNoise);
+  }
 }
 
 const Table& RobotTable() {
@@ -285,6 +289,7 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
                        .turn_scale = file.turn_scale,
                        .laser_delay_s = file.laser_delay_s,
                        .camera_delay_s = file.camera_delay_s};
+  TL_ASSIGN_OR_RETURN(config.noise, core::NoiseOfFile(file));
   TL_RETURN_IF_ERROR(config.Validate());
   return config;
 }

@@ -66,6 +66,8 @@ struct RosRobotConfig {
   core::RobotModel robot;
   // What it says is corrected by this before it is used.
   core::SensorCorrection correction;
+  // nullopt: nobody measured it.
+  std::optional<core::MeasuredOdometryNoise> noise;
 
   absl::Status Validate() const;
 };

@@ -32,6 +32,7 @@ class RealRobot final : public AgentRobot {
     auto robot = std::make_unique<RealRobot>();
     robot->model_ = config.robot;
     robot->correction_ = config.correction;
+    robot->noise_ = config.noise;
     TL_ASSIGN_OR_RETURN(robot->hardware_,
                         hardware::RobotHardware::Open(config, robot->clock_));
     return robot;
@@ -47,12 +48,16 @@ class RealRobot final : public AgentRobot {
   const base::Clock& clock() const override { return clock_; }
   const core::RobotModel& model() const override { return model_; }
   core::SensorCorrection correction() const override { return correction_; }
+  std::optional<core::MeasuredOdometryNoise> noise() const override {
+    return noise_;
+  }
   void Advance(std::chrono::nanoseconds /*duration*/) override {}
 
  private:
   base::SteadyClock clock_;
   core::RobotModel model_;
   core::SensorCorrection correction_;
+  std::optional<core::MeasuredOdometryNoise> noise_;
   std::unique_ptr<hardware::RobotHardware> hardware_;
 };
 
@@ -107,6 +112,7 @@ class SimulatedAgentRobot final : public AgentRobot,
         camera_(simulator_->camera()),
         places_(std::move(places)),
         map_from_world_(map_from_world),
+        noise_(options.robot.noise),
         random_(options.seed, kKidnapStream),
         battery_(options.battery) {}
 
@@ -121,6 +127,9 @@ class SimulatedAgentRobot final : public AgentRobot,
   const base::Clock& clock() const override { return simulator_->clock(); }
   const core::RobotModel& model() const override {
     return simulator_->options().robot;
+  }
+  std::optional<core::MeasuredOdometryNoise> noise() const override {
+    return noise_;
   }
   void Advance(std::chrono::nanoseconds duration) override {
     const geometry::Vec3 before = MapFromBase().translation;
@@ -236,6 +245,7 @@ class SimulatedAgentRobot final : public AgentRobot,
   NewestPictures camera_;
   const runs::SuiteWorld places_;
   const geometry::Rigid3 map_from_world_;
+  const std::optional<core::MeasuredOdometryNoise> noise_;
   base::Random random_;
   simulator::SimulatedBattery battery_;
   simulator::Chargers chargers_;
@@ -309,6 +319,10 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
   scenario.options.sensors.camera_hz = options.camera_hz;
   scenario.options.robot = options.robot.model;
   scenario.options.sensors.UseLasers(options.robot.lasers);
+  if (options.robot.noise.has_value()) {
+    scenario.options.errors.UseNoise(*options.robot.noise,
+                                     options.robot.model.wheel_track_m);
+  }
   if (!options.has_rear_laser) scenario.options.sensors.has_rear_laser = false;
   TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
   TL_ASSIGN_OR_RETURN(

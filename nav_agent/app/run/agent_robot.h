@@ -39,6 +39,10 @@ class AgentRobot {
   // What its measurements are to be corrected by; a simulated robot's by
   // nothing.
   virtual core::SensorCorrection correction() const { return {}; }
+  // nullopt: nobody measured it.
+  virtual std::optional<core::MeasuredOdometryNoise> noise() const {
+    return std::nullopt;
+  }
   // Lets simulated time pass; a real robot's passes by itself.
   virtual void Advance(std::chrono::nanoseconds duration) = 0;
   // What it tells apart from its wheels; nullopt: nothing.

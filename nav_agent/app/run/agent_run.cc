@@ -25,10 +25,10 @@
 #include "nav_agent/app/run/agent_recorder.h"
 #include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/app/run/agent_tracing.h"
+#include "nav_agent/app/run/navigator_setup.h"
 #include "nav_agent/app/run/repeated_lines.h"
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/app/run/watched_sensors.h"
-#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/bridge/foxglove/foxglove_server.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/mapless/mapless_navigator.h"
@@ -40,7 +40,6 @@
 namespace treeline::run_app {
 namespace {
 
-constexpr double kControlHz = 40;
 // Pictures for people.
 constexpr auto kPictureInterval = std::chrono::milliseconds(200);
 // A pose that somebody gives is about right.
@@ -121,19 +120,12 @@ class AgentProgram {
   bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
   behavior::NavigatorDevices WatchedDevices();
-  // As set, but no less than lets a slow laser's scans count.
-  double LaserTimeout_s();
-  absl::Status MakeSightNavigator();
   absl::Status GiveOrders();
   // What is done before the first step: in the log, and among the events.
   void TellStart(const std::string& what);
   void LogEvents(const std::vector<RepeatedLine>& lines);
   // A simulated robot stands where --start-at says.
   absl::Status PlaceRobot();
-  // On the robot's clock: who drives by hand lives in real time.
-  double ManualLease_s() const {
-    return behavior::kManualLease_s * config_.speed;
-  }
   // Steps wait for a simulation of somebody else's.
   bool FollowsSimulation() const {
     return ros_robot_ != nullptr && ros_robot_->config().use_sim_time;
@@ -405,52 +397,21 @@ behavior::NavigatorDevices AgentProgram::WatchedDevices() {
       .server = server_.get()};
 }
 
-double AgentProgram::LaserTimeout_s() {
-  // A scan is as old as it took to measure when it comes, and the next one
-  // comes as much later.
-  constexpr double kScans = 2.5;
-  return std::max(config_.laser_timeout_s,
-                  kScans * robot_->Devices().laser.Info().scan_interval_s);
-}
-
-absl::Status AgentProgram::MakeSightNavigator() {
-  mapless::MaplessOptions options;
-  options.control_hz = kControlHz;
-  options.max_forward_mps = config_.max_forward_mps;
-  options.goal_tolerance_m = config_.goal_tolerance_m;
-  options.goal_tolerance_rad = config_.goal_tolerance_rad;
-  options.laser_timeout_s = LaserTimeout_s();
-  options.odometry_timeout_s = config_.odometry_timeout_s;
-  options.manual_lease_s = ManualLease_s();
-  if (!map_->levels.levels.empty()) {
-    options.known = {map_->levels.levels.front().grid};
-  }
-  TL_ASSIGN_OR_RETURN(navigator_, mapless::MakeMaplessNavigator(
-                                      robot_->model(), WatchedDevices(),
-                                      options, robot_->clock()));
-  return absl::OkStatus();
-}
-
 absl::Status AgentProgram::MakeNavigator() {
-  if (config_.by_sight) return MakeSightNavigator();
-  behavior::NavigatorOptions options;
-  options.control_hz = kControlHz;
-  options.plans_in_background = true;
-  options.planner.planner = config_.planner;
-  options.first_plan_budget.max_time_s = 0.5;
-  options.plan_budget.max_time_s = 0.5;
-  options.control.max_forward_mps = config_.max_forward_mps;
-  options.control.inflation_m = config_.inflation_m;
-  options.control.goal_tolerance_m = config_.goal_tolerance_m;
-  options.control.goal_tolerance_rad = config_.goal_tolerance_rad;
-  options.laser_timeout_s = LaserTimeout_s();
-  options.odometry_timeout_s = config_.odometry_timeout_s;
-  options.finds_itself_at_start = config_.find_yourself;
-  options.seed = static_cast<uint64_t>(config_.seed);
-  options.manual_lease_s = ManualLease_s();
+  if (config_.by_sight) {
+    mapless::MaplessOptions options = SightOptionsOf(config_, *robot_);
+    if (!map_->levels.levels.empty()) {
+      options.known = {map_->levels.levels.front().grid};
+    }
+    TL_ASSIGN_OR_RETURN(navigator_, mapless::MakeMaplessNavigator(
+                                        robot_->model(), WatchedDevices(),
+                                        options, robot_->clock()));
+    return absl::OkStatus();
+  }
   absl::StatusOr<std::unique_ptr<behavior::Navigator>> navigator =
       behavior::Navigator::Create(*map_, robot_->model(), WatchedDevices(),
-                                  options, robot_->clock());
+                                  NavigatorOptionsOf(config_, *robot_),
+                                  robot_->clock());
   if (!navigator.ok()) {
     return base::Annotate(navigator.status(),
                           config_.map.empty() ? config_.simulate : config_.map);

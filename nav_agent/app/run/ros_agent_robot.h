@@ -41,6 +41,9 @@ class RosAgentRobot final : public AgentRobot {
   core::SensorCorrection correction() const override {
     return robot_->config().correction;
   }
+  std::optional<core::MeasuredOdometryNoise> noise() const override {
+    return robot_->config().noise;
+  }
   // Time passes by itself. Of a simulation it is waited for: steps are taken at
   // its pace, whatever that is.
   void Advance(std::chrono::nanoseconds duration) override;
