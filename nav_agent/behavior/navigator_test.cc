@@ -117,7 +117,9 @@ TEST_F(TakenGoalTest, IsGivenUpBesideAfterAWait) {
   EXPECT_EQ(Goal().state, GoalState::kFailed);
   EXPECT_EQ(Goal().cause, core::NavigationCause::kGoalBlocked);
   EXPECT_DOUBLE_EQ(Goal().to_go_m, 0.6);
-  EXPECT_EQ(Count("goal", "0.60 m beside the goal, where something stands"), 1);
+  // One event says what is waited for, one how it ended.
+  EXPECT_EQ(Count("goal", "waits 0.60 m beside the goal, where something"), 1);
+  EXPECT_EQ(Count("goal", "at a place 0.60 m beside the goal, where some"), 1);
 }
 
 TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
@@ -138,7 +140,8 @@ TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
   tracker->pose = PoseAtPoint(5, 2);
   Run(0.5);
   EXPECT_EQ(Goal().state, GoalState::kSucceeded);
-  EXPECT_EQ(Count("goal", "beside the goal"), 0);
+  EXPECT_EQ(Count("goal", "waits 0.60 m beside the goal"), 1);
+  EXPECT_EQ(Count("goal", "at a place"), 0);
 }
 
 // A controller that says that it has arrived and has not gets new plans, then
