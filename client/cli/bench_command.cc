@@ -15,6 +15,7 @@
 #include "client/cli/bench_flags.h"
 #include "client/cli/bench_load.h"
 #include "client/cli/metrics_source.h"
+#include "common/base/installed_file.h"
 #include "common/base/live_display.h"
 #include "common/base/status_macros.h"
 #include "common/page/page_template.h"
@@ -150,8 +151,8 @@ class Bench {
 absl::Status WritePage(const BenchFlags& flags,
                        const bench::BenchReport& report) {
   if (flags.report_path.empty()) return absl::OkStatus();
-  const std::string page_template =
-      page::FindPageTemplate("bench-report.html", TREELINE_SOURCE_BENCH_REPORT);
+  const std::string page_template = base::FindInstalledFile(
+      "bench-report.html", TREELINE_SOURCE_BENCH_REPORT);
   if (page_template.empty()) {
     std::fputs(page::NoPageTemplateNotice(flags.report_path,
                                           "scripts/build-bench-report")

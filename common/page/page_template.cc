@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/file.h"
-#include "common/base/installed_file.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::page {
@@ -19,11 +18,6 @@ constexpr absl::string_view kPlace = "\"@REPORT_DATA@\"";
 constexpr uint64_t kMaxTemplateBytes = uint64_t{64} << 20;
 
 }  // namespace
-
-std::string FindPageTemplate(const std::string& file_name,
-                             const std::string& source_place) {
-  return base::FindInstalledFile(file_name, source_place);
-}
 
 absl::StatusOr<std::string> FillPageTemplate(absl::string_view page,
                                              absl::string_view json) {

@@ -11,11 +11,6 @@
 
 namespace treeline::page {
 
-// The template's file: ../share/treeline/FILE_NAME beside this program, or else
-// `source_place`. Empty: in neither place.
-std::string FindPageTemplate(const std::string& file_name,
-                             const std::string& source_place);
-
 // The template with `json` as its data, escaped so that no text in it can end
 // the element that holds it. INVALID_ARGUMENT: `page` has not just one place
 // for the data.

@@ -1,11 +1,12 @@
 #include "evaluation/report/report_page.h"
 
+#include "common/base/installed_file.h"
 #include "common/page/page_template.h"
 
 namespace treeline::report {
 
 std::string FindReportTemplate() {
-  return page::FindPageTemplate("report.html", TREELINE_SOURCE_REPORT);
+  return base::FindInstalledFile("report.html", TREELINE_SOURCE_REPORT);
 }
 
 std::string ReportDataPath(const std::string& path) {

@@ -9,15 +9,6 @@
 #include "nav_agent/behavior/pose_lists.h"
 
 namespace treeline::behavior {
-namespace {
-
-double HeadingOff_rad(const core::LevelPose& robot,
-                      const core::LevelPose& target) {
-  return std::abs(geometry::NormalizedAngle_rad(robot.map_from_base.yaw_rad -
-                                                target.map_from_base.yaw_rad));
-}
-
-}  // namespace
 
 ArrivalCheck::Outcome ArrivalCheck::Step(
     const control::ControlPose& pose, const core::LevelPose& target,

@@ -183,8 +183,7 @@ std::optional<DrivingState::Outcome> DrivingState::MeetAtGoal(
 GoalEnd DrivingState::EndBeside(const core::LevelPose& robot, const char* what,
                                 GoalCourse& goal, const GoalTools& tools) {
   const double beside_m = Distance_m(robot, goal.Target());
-  const double off_rad = std::abs(geometry::NormalizedAngle_rad(
-      robot.map_from_base.yaw_rad - goal.Target().map_from_base.yaw_rad));
+  const double off_rad = HeadingOff_rad(robot, goal.Target());
   goal.status.to_go_m = beside_m;
   const bool is_there =
       off_rad <= tools.options.control.goal_tolerance_rad + kArrivalSlack_rad;

@@ -6,17 +6,15 @@
 #include <vector>
 
 #include "nav_agent/behavior/parameters.h"
+#include "nav_agent/behavior/pose_lists.h"
 #include "nav_agent/behavior/seen_through.h"
 
 namespace treeline::behavior {
 namespace {
 
 bool AreSamePlace(const core::LevelPose& a, const core::LevelPose& b) {
-  return geometry::Norm(a.map_from_base.translation -
-                        b.map_from_base.translation) < kSamePlace_m &&
-         std::abs(geometry::NormalizedAngle_rad(a.map_from_base.yaw_rad -
-                                                b.map_from_base.yaw_rad)) <
-             kSamePlace_rad &&
+  return Distance_m(a, b) < kSamePlace_m &&
+         HeadingOff_rad(a, b) < kSamePlace_rad &&
          std::abs(a.place.height_m - b.place.height_m) < kSamePlace_m;
 }
 

@@ -15,6 +15,13 @@ inline double Distance_m(const core::LevelPose& a, const core::LevelPose& b) {
                         b.map_from_base.translation);
 }
 
+// How far the two are turned against each other, in [0, pi].
+inline double HeadingOff_rad(const core::LevelPose& a,
+                             const core::LevelPose& b) {
+  return std::abs(geometry::NormalizedAngle_rad(a.map_from_base.yaw_rad -
+                                                b.map_from_base.yaw_rad));
+}
+
 // Poses that are driven through look to where the way goes there: half from
 // where it comes, half to where it leads. The last keeps its heading.
 inline void HeadAlong(std::vector<core::LevelPose>& poses) {

@@ -295,6 +295,13 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   return model;
 }
 
+localizer::QueryOptions TrialOptions() {
+  localizer::QueryOptions options;
+  options.other_turns = false;
+  options.corrects_focal = false;
+  return options;
+}
+
 absl::StatusOr<std::vector<ConfidenceTrial>> RunTrialsOfFrame(
     const localizer::Localizer& localizer, const image::Frame& frame,
     const image::Frame& other, const geometry::Rigid3& world_from_sensor,
@@ -362,12 +369,8 @@ absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
   const TemporaryFile file(absl::StrCat(path, ".trial-", getpid()));
   TL_RETURN_IF_ERROR(write_model(file.path()));
-  // The trials are upright and of known cameras, and what they find so counts.
-  localizer::QueryOptions known;
-  known.other_turns = false;
-  known.corrects_focal = false;
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<localizer::Localizer> localizer,
-                      localizer::OpenLocalizer(file.path(), known));
+                      localizer::OpenLocalizer(file.path(), TrialOptions()));
   TL_ASSIGN_OR_RETURN(
       const std::vector<ConfidenceTrial> trials,
       RunConfidenceTrials(*localizer, held_out, options, quiet, stop));

@@ -13,6 +13,7 @@
 #include "common/geometry/rigid3.h"
 #include "server/core/forest/confidence_model.h"
 #include "server/core/localizer/localizer.h"
+#include "server/core/localizer/query_options.h"
 
 namespace treeline::training {
 
@@ -71,6 +72,10 @@ struct ConfidenceOptions {
   // Called with the trials that a confidence is fitted to; may be empty.
   std::function<void(std::span<const ConfidenceTrial>)> on_trials = {};
 };
+
+// How a model is opened for its trials: they are upright and of known cameras,
+// and what they find so counts.
+localizer::QueryOptions TrialOptions();
 
 // Lets `localizer` answer one frame of which the localizer's pose sensor is at
 // `world_from_sensor`, as RunConfidenceTrials does; `other` covers it. A random

@@ -44,11 +44,9 @@ absl::StatusOr<std::vector<std::vector<ConfidenceTrial>>> LiveTrials::Run(
     const std::string& path, uint64_t seed, const std::stop_token& stop) const {
   const std::string trial_path = absl::StrCat(path, ".trial-", getpid());
   const absl::Status written = model.Write(trial_path);
-  // The trials are upright, and what they find there counts.
-  localizer::QueryOptions upright;
-  upright.other_turns = false;
   absl::StatusOr<std::unique_ptr<localizer::Localizer>> localizer =
-      written.ok() ? localizer::OpenLocalizer(trial_path, upright) : written;
+      written.ok() ? localizer::OpenLocalizer(trial_path, TrialOptions())
+                   : written;
   std::error_code ignored;
   std::filesystem::remove(trial_path, ignored);
   TL_RETURN_IF_ERROR(localizer.status());
