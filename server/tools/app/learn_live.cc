@@ -378,6 +378,13 @@ class LiveRun {
           "answered %d rightly\nand %d wrongly.\n",
           model.asked, model.right, model.wrong);
     }
+    if (model.wrong > model.right) {
+      std::fprintf(stderr,
+                   "warning: more answers were wrong than right: do the poses "
+                   "belong to these pictures, and the\ncalibration to this "
+                   "camera, also in which sensor's pose it says that they "
+                   "are?\n");
+    }
     std::fflush(stdout);
   }
 

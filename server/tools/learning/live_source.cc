@@ -18,6 +18,8 @@ namespace treeline::learning {
 namespace {
 
 constexpr int kStopPoll_ms = 50;
+// Geocentric coordinates reach 6.4e6, projected ones 1e7.
+constexpr double kMaxPosition_m = 2e7;
 constexpr size_t kMaxLineBytes = 16384;
 constexpr size_t kFields = 9;
 
@@ -134,6 +136,11 @@ absl::StatusOr<std::optional<LiveFrame>> ParseLiveFrame(
   TL_ASSIGN_OR_RETURN(const geometry::Rigid3 pose,
                       geometry::RigidFromQuaternion(n[6], n[3], n[4], n[5],
                                                     {n[0], n[1], n[2]}));
+  if (geometry::Norm(pose.translation) > kMaxPosition_m) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the camera's position, ", fields[2], " ", fields[3], " ",
+                     fields[4], ", is no place on Earth in metres"));
+  }
   return LiveFrame{fields[0], fields[1], pose};
 }
 

@@ -45,6 +45,9 @@ TEST(ParseLiveFrame, SaysWhatIsWrong) {
       ParseLiveFrame("a.jpg b.png nan 2 3 0 0 0 1").status()));
   EXPECT_TRUE(absl::IsInvalidArgument(
       ParseLiveFrame("a.jpg b.png 1 2 3 0 0 0 0").status()));
+  EXPECT_TRUE(ParseLiveFrame("a.jpg b.png 4e5 5.8e6 3 0 0 0 1").ok());
+  EXPECT_THAT(ParseLiveFrame("a.jpg b.png 1e30 2 3 0 0 0 1").status().message(),
+              HasSubstr("1e30 2 3, is no place on Earth"));
 }
 
 class FramesByLineTest : public testing::Test {
