@@ -232,6 +232,27 @@ TEST(BuildingTest, DrawnBuildingsAreSoundAndUnlike) {
   }
 }
 
+TEST(BuildingTest, OfficesAreSound) {
+  for (const char* name :
+       {"office:100", "office:250:3", "office:600:2", "office:1000"}) {
+    const World world = Make(name);
+    ExpectSound(world);
+    EXPECT_GT(world.tour.size(), 8u);
+  }
+}
+
+TEST(BuildingTest, OfficesHaveBounds) {
+  for (const char* name : {"office:99", "office:1501:4", "office:-5"}) {
+    EXPECT_THAT(std::string(MakeWorld(name, kBare).status().message()),
+                HasSubstr("100 to 1500"));
+  }
+  for (const char* name :
+       {"office:", "office:200:", "office:200:1:2", "office:big"}) {
+    EXPECT_THAT(std::string(MakeWorld(name, kBare).status().message()),
+                HasSubstr("there is no world"));
+  }
+}
+
 TEST(BuildingTest, ASeedGivesTheSameWorldOnAnyNumberOfThreads) {
   const World one = Make("seed:4", {.threads = 1});
   const World two = Make("seed:4", {.threads = 2});
@@ -265,8 +286,9 @@ TEST(BuildingTest, FilesAreWorldsToo) {
 TEST(BuildingTest, UnknownNamesAreAnsweredWithWhatThereIs) {
   const absl::Status status = MakeWorld("caffe", kBare).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  for (const char* name : {"'caffe'", "cafe", "lab", "office-floor",
-                           "two-storey", "room:N", "seed:N", ".yaml"}) {
+  for (const char* name :
+       {"'caffe'", "cafe", "lab", "office-floor", "two-storey", "room:N",
+        "seed:N", "office:M2", ".yaml"}) {
     EXPECT_THAT(status.message(), HasSubstr(name));
   }
 }

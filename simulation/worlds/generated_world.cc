@@ -2,8 +2,10 @@
 
 #include <utility>
 
+#include "absl/functional/function_ref.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "simulation/building/office_generator.h"
 #include "simulation/building/plan_generator.h"
 #include "simulation/worlds/building_maker.h"
 #include "simulation/worlds/ground_truth.h"
@@ -31,16 +33,34 @@ absl::StatusOr<bool> IsConnected(const building::BuildingPlan& plan) {
   return truth.IsDriveable(tour, kGeneratedRobotRadius_m);
 }
 
-}  // namespace
-
-absl::StatusOr<building::BuildingPlan> GeneratedPlan(uint64_t seed) {
+// Of the attempts that `draw` makes.
+absl::StatusOr<building::BuildingPlan> FirstConnected(
+    absl::FunctionRef<building::BuildingPlan(int)> draw) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    building::BuildingPlan plan = building::DrawPlan(seed, attempt);
+    building::BuildingPlan plan = draw(attempt);
     TL_ASSIGN_OR_RETURN(const bool is_connected, IsConnected(plan));
     if (is_connected) return plan;
   }
-  return absl::InternalError(
-      absl::StrCat("no building of seed ", seed, " is connected"));
+  return absl::InternalError("no building of this seed is connected");
+}
+
+}  // namespace
+
+absl::StatusOr<building::BuildingPlan> GeneratedPlan(uint64_t seed) {
+  return FirstConnected(
+      [&](int attempt) { return building::DrawPlan(seed, attempt); });
+}
+
+absl::StatusOr<building::BuildingPlan> OfficePlan(int area_m2, uint64_t seed) {
+  if (area_m2 < building::kSmallestOffice_m2 ||
+      area_m2 > building::kLargestOffice_m2) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "an office of ", area_m2, " m2; there are those of ",
+        building::kSmallestOffice_m2, " to ", building::kLargestOffice_m2));
+  }
+  return FirstConnected([&](int attempt) {
+    return building::DrawOffice(area_m2, seed, attempt);
+  });
 }
 
 }  // namespace treeline::worlds

@@ -17,6 +17,11 @@ inline constexpr double kGeneratedRobotRadius_m = 0.36;
 // until it is such a one. INTERNAL if 50 attempts are not enough.
 absl::StatusOr<building::BuildingPlan> GeneratedPlan(uint64_t seed);
 
+// Likewise an office building of that many square metres, in
+// [building::kSmallestOffice_m2, building::kLargestOffice_m2], or
+// INVALID_ARGUMENT.
+absl::StatusOr<building::BuildingPlan> OfficePlan(int area_m2, uint64_t seed);
+
 }  // namespace treeline::worlds
 
 #endif  // SIMULATION_WORLDS_GENERATED_WORLD_H_

@@ -3,6 +3,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
@@ -37,6 +38,17 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
     return MakeBuilding(std::string(name), plan, options);
   }
   rest = name;
+  if (absl::ConsumePrefix(&rest, "office:")) {
+    const std::vector<absl::string_view> parts = absl::StrSplit(rest, ':');
+    int area_m2 = 0;
+    if (parts.size() <= 2 && absl::SimpleAtoi(parts[0], &area_m2) &&
+        (parts.size() == 1 || absl::SimpleAtoi(parts[1], &seed))) {
+      TL_ASSIGN_OR_RETURN(const building::BuildingPlan plan,
+                          OfficePlan(area_m2, seed));
+      return MakeBuilding(std::string(name), plan, options);
+    }
+  }
+  rest = name;
   if (absl::ConsumePrefix(&rest, "field:") && absl::SimpleAtoi(rest, &seed)) {
     return MakeBuilding(std::string(name),
                         building::FieldPlan(building::DrawField(seed)),
@@ -62,8 +74,8 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
   }
   return absl::InvalidArgumentError(
       absl::StrCat("there is no world '", name, "'; there are ", shipped_names,
-                   "room, room:N, seed:N and field:N with a whole N, and files "
-                   "(NAME.yaml)"));
+                   "room, room:N, seed:N, field:N and office:M2 with whole "
+                   "numbers, and files (NAME.yaml)"));
 }
 
 }  // namespace

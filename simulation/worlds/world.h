@@ -207,8 +207,8 @@ struct WorldOptions {
 //                 pictures, for each whole number N
 //   cafe, lab, office-floor, two-storey
 //                 buildings that every program carries (worlds/*.yaml)
-//   seed:N        a building of the generator's, for each whole number N
-//   field:N       a field of cylinders, for each whole number N
+//   seed:N, field:N  a generated building; a field of cylinders
+//   office:M2, office:M2:N  an office building of so many square metres
 //   FILE          a world file of your own: ends in .yaml or contains a '/';
 //                 see docs/reference/world-files.md
 // INVALID_ARGUMENT for other names, and for files with mistakes, "FILE:LINE:
