@@ -38,6 +38,7 @@ Worlds:
   office-floor  twelve rooms along corridors
   two-storey    two floors, one above the other, with a ramp between them
   seed:N        a building made from the whole number N; room:N: a room
+  office:M2     an office building of so many square metres, 100 to 1500
   FILE.yaml     a building of your own
 
 What is written, in the layout of 7-Scenes:
