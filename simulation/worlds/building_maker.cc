@@ -15,7 +15,7 @@ namespace treeline::worlds {
 namespace {
 
 // More would take minutes to light.
-constexpr size_t kMaxSurfaces = 40000;
+constexpr size_t kMaxSurfaces = 100000;
 
 float F(double value) { return static_cast<float>(value); }
 
