@@ -14,14 +14,14 @@
 #include "common/base/version.h"
 #include "common/image/depth_registration.h"
 #include "evaluation/accuracy/evaluation.h"
+#include "evaluation/yardsticks/opencv_sift.h"
+#include "evaluation/yardsticks/opencv_threads.h"
 #include "opencv2/calib3d.hpp"
 #include "opencv2/core.hpp"
 #include "opencv2/features2d.hpp"
 #include "opencv2/flann.hpp"
 #include "opencv2/imgproc.hpp"
 #include "server/core/features/fast_sift.h"
-#include "server/core/features/opencv_threads.h"
-#include "server/core/features/sift_extractor.h"
 #include "server/core/training/sift_trainer.h"
 #include "server/tools/run_info.h"
 
@@ -77,11 +77,12 @@ Features Extract(const image::ColorImage& image,
   return features;
 }
 
-// The features that method sift works with, as OpenCV holds them.
+// The features that method sift works with, as OpenCV finds them.
 absl::StatusOr<Features> ExtractLargest(const image::ColorImage& image,
                                         int count) {
-  TL_ASSIGN_OR_RETURN(const features::SiftFeatures sift,
-                      features::ExtractSift(image, {.max_features = count}));
+  TL_ASSIGN_OR_RETURN(
+      const features::SiftFeatures sift,
+      yardsticks::ExtractOpenCvSift(image, {.max_features = count}));
   return ToOpenCv(sift);
 }
 
@@ -444,7 +445,7 @@ absl::StatusOr<std::unique_ptr<localizer::Localizer>> BuildOrThrow(
     const FeaturePnpOptions& options) {
   const base::SteadyClock clock;
   const base::MonotonicTime start = clock.Now();
-  features::RunOpenCvOnCallingThread();
+  yardsticks::RunOpenCvOnCallingThread();
   const int count = options.keyframes == 0
                         ? training.size()
                         : std::min(options.keyframes, training.size());

@@ -21,10 +21,10 @@
 #include "benchmark/benchmark.h"
 #include "common/base/random.h"
 #include "common/dataset/dataset.h"
+#include "evaluation/yardsticks/opencv_threads.h"
 #include "opencv2/core.hpp"
 #include "opencv2/features2d.hpp"
 #include "opencv2/imgproc.hpp"
-#include "server/core/features/opencv_threads.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/features/walsh_hadamard.h"
@@ -101,7 +101,7 @@ BENCHMARK(BM_DecodeJpegAndPng)->Unit(benchmark::kMillisecond);
 void BM_OpenCvSiftExtraction(benchmark::State& state) {
   const Recording& recording = TestFrames();
   if (recording.frames.empty()) return state.SkipWithError(kNoData);
-  features::RunOpenCvOnCallingThread();
+  yardsticks::RunOpenCvOnCallingThread();
   std::vector<cv::Mat> grays;
   for (const image::Frame& frame : recording.frames) {
     const cv::Mat color(frame.color.height, frame.color.width, CV_8UC3,

@@ -172,8 +172,7 @@ class SiftLocalizerTest : public ::testing::Test {
           "%d %.17g %.17g %.17g %.17g %.9g %.9g %.9g 1 "
           "%d.png\n",
           i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i);
-      const features::SiftFeatures features =
-          features::ExtractSift(image, {}).value();
+      const features::SiftFeatures features = features::ExtractSift(image, {});
       for (size_t k = 0; k < features.size(); ++k, ++point_id) {
         const camera::Pixel at = features.keypoints[k].pixel;
         const camera::Pixel ray = *camera.Unproject(at);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -20,11 +19,27 @@ bool IsStronger(const ScaleSpaceExtremum& a, const ScaleSpaceExtremum& b) {
 
 }  // namespace
 
+// What is weak beside the rest of the picture is left out, so that a picture of
+// another exposure has the same.
+void FastSift::FindAllExtrema() {
+  extrema_.clear();
+  const size_t octaves = space_.octaves().size();
+  if (octaves == 0) return;
+  const ExtremumOptions options = {
+      .least_contrast = std::max<float>(
+          kMinContrast, kRelativeContrast * MeanDifference(space_)),
+      .max_curvature_ratio = kMaxCurvatureRatio,
+      .move_beyond = kMoveBeyond_px};
+  for (size_t o = 0; o < octaves; ++o) {
+    FindExtrema(space_, o, options, extrema_);
+  }
+}
+
 // Orders the extrema by contrast, each behind those that are stronger in its
 // cell of a grid: what is the n-th in a cell counts an n-th. Keeps `count`.
 void FastSift::Rank(size_t count) {
   std::ranges::sort(extrema_, IsStronger);
-  const FloatImage& size = space_.octaves()[0].gaussian[0];
+  const ScaleSpace::Octave& size = space_.octaves()[0];
   const int columns = size.width() / kGridCell_px + 1;
   std::vector<int> in_cell(
       static_cast<size_t>(columns * (size.height() / kGridCell_px + 1)));
@@ -54,7 +69,7 @@ SiftFeatures FastSift::Extract(const image::ColorImage& image,
   SiftFeatures features;
   const size_t most = static_cast<size_t>(std::max(0, options.max_features));
   space_.Assign(image, options.least_reduction);
-  FindExtrema(space_, extrema_);
+  FindAllExtrema();
   if (extrema_.empty()) return features;
   Rank(most);
   features.keypoints.reserve(most);
@@ -62,19 +77,14 @@ SiftFeatures FastSift::Extract(const image::ColorImage& image,
   for (const ScaleSpaceExtremum& e : extrema_) {
     const auto layer = static_cast<size_t>(std::lround(e.level));
     const FloatImage& level = space_.octaves()[e.octave].gaussian[layer];
-    const ImagePlace place{e.x, e.y, ScaleSpace::Sigma(e.level)};
+    const ImagePlace place{e.x, e.y, space_.Sigma(e.level)};
     DominantAngles angles{.angle_rad = {}, .count = 1};
     if (!options.upright) angles = FindDominantAngles(level, place);
     for (size_t a = 0; a < angles.count && features.size() < most; ++a) {
       const float angle = angles.angle_rad[a];
-      features.keypoints.push_back(
-          {.pixel = {space_.InPicture(e.x, e.octave),
-                     space_.InPicture(e.y, e.octave)},
-           .diameter_px = 2 * place.sigma *
-                          static_cast<float>(space_.reduction() << e.octave),
-           .angle_deg = angle * static_cast<float>(180 / std::numbers::pi),
-           .response = e.contrast});
-      features.descriptors.push_back(DescribePlace(level, place, angle));
+      features.keypoints.push_back(KeypointOf(space_, e, angle));
+      features.descriptors.push_back(
+          DescribePlace(level, place, angle, kCellSize));
     }
   }
   return features;

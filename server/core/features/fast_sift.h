@@ -23,13 +23,13 @@ struct FastSiftOptions {
   int least_reduction = 1;
 };
 
-// Beside OpenCV's features (ExtractSift), which take ten times as long:
+// Beside Lowe's features (SiftExtractor), which take ten times as long:
 // * the picture is reduced first (ScaleSpace), not doubled;
 // * nothing depends on the picture's gain or offset of brightness: thresholds
 //   are relative to its own contrast, and features compete with their
 //   neighbours;
 // * a descriptor is of gradients on a grid that turns with the feature.
-// Descriptors are RootSIFT in bytes as those of ExtractSift, but of other
+// Descriptors are RootSIFT in bytes as those of SiftExtractor, but of other
 // regions: the two must not be matched with each other.
 //
 // Keeps its working memory from picture to picture: one object a thread. The
@@ -43,6 +43,7 @@ class FastSift {
                        const FastSiftOptions& options = {});
 
  private:
+  void FindAllExtrema();
   void Rank(size_t count);
 
   ScaleSpace space_;

@@ -37,8 +37,9 @@ BENCHMARK(BM_FastSift)
 
 void BM_ExtractSift(benchmark::State& state) {
   const image::ColorImage picture = Picture(static_cast<int>(state.range(0)));
+  SiftExtractor sift;
   size_t count = 0;
-  for (auto _ : state) count = ExtractSift(picture, {})->size();
+  for (auto _ : state) count = sift.Extract(picture, {}).size();
   state.counters["features"] = static_cast<double>(count);
 }
 BENCHMARK(BM_ExtractSift)->Arg(320)->Arg(640)->Unit(benchmark::kMillisecond);

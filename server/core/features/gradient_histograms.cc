@@ -22,6 +22,9 @@ struct Window {
   std::array<float, 2 * kMaxRadius + 1 + 16> weight{};  // then zeros
 };
 
+// Directions of a histogram that angles are read off.
+constexpr size_t kAngles = 36;
+
 // The patch of a descriptor: kSide x kSide gradients, of samples that reach one
 // further on each side.
 constexpr size_t kSide = 16;
@@ -107,6 +110,68 @@ void SumHarmonics(const float* image, size_t stride, int width, int height,
   }
 }
 
+// The direction of (x, y) in eighths of a turn, in [0, 8], exact to 1e-4.
+template <class D, class V>
+V DirectionOf(D d, V x, V y) {
+  const V ax = hn::Abs(x);
+  const V ay = hn::Abs(y);
+  const V ratio =
+      hn::Div(hn::Min(ax, ay), hn::Max(hn::Max(ax, ay), hn::Set(d, 1e-12F)));
+  // Arctangent, Abramowitz and Stegun 4.4.49, times 4 / pi.
+  const V square = hn::Mul(ratio, ratio);
+  V t = hn::MulAdd(square, hn::Set(d, 0.0265281F), hn::Set(d, -0.1083948F));
+  t = hn::MulAdd(square, t, hn::Set(d, 0.2293629F));
+  t = hn::MulAdd(square, t, hn::Set(d, -0.4205504F));
+  t = hn::MulAdd(square, t, hn::Set(d, 1.2730690F));
+  t = hn::Mul(t, ratio);
+  t = hn::IfThenElse(hn::Gt(ay, ax), hn::Sub(hn::Set(d, 2.0F), t), t);
+  t = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 4.0F), t), t);
+  return hn::IfThenElse(hn::Lt(y, hn::Zero(d)), hn::Sub(hn::Set(d, 8.0F), t),
+                        t);
+}
+
+// Adds weight * gradient size to the nearest of kAngles directions, over the
+// window about (x, y), as far as gradients can be computed there.
+void SumDirections(const float* image, size_t stride, int width, int height,
+                   int x, int y, const Window& window, float* histogram) {
+  const hn::CappedTag<float, 16> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int left = x - window.radius;
+  const int top = y - window.radius;
+  const int first = left < 1 ? 1 : left;
+  const int end =
+      x + window.radius + 1 > width - 1 ? width - 1 : x + window.radius + 1;
+  const int last_row =
+      y + window.radius > height - 2 ? height - 2 : y + window.radius;
+  const auto per_eighth = hn::Set(d, static_cast<float>(kAngles) / 8);
+  // A full turn is direction 0 again.
+  float sums[kAngles + 1] = {};
+  HWY_ALIGN float share[16];
+  HWY_ALIGN int32_t nearest[16];
+  for (int j = top < 1 ? 1 : top; j <= last_row; ++j) {
+    const float* row = image + static_cast<size_t>(j) * stride;
+    const auto row_weight =
+        hn::Set(d, window.weight[static_cast<size_t>(j - top)]);
+    for (int i = first; i < end; i += lanes) {
+      const auto gx =
+          hn::Sub(hn::LoadU(d, row + i + 1), hn::LoadU(d, row + i - 1));
+      const auto gy = hn::Sub(hn::LoadU(d, row + i + stride),
+                              hn::LoadU(d, row + i - stride));
+      const auto size = hn::Sqrt(hn::MulAdd(gx, gx, hn::Mul(gy, gy)));
+      const auto weight =
+          hn::Mul(row_weight, hn::LoadU(d, window.weight.data() + (i - left)));
+      hn::Store(hn::Mul(weight, size), d, share);
+      hn::Store(hn::NearestInt(hn::Mul(DirectionOf(d, gx, gy), per_eighth)), di,
+                nearest);
+      const int count = end - i < lanes ? end - i : lanes;
+      for (int k = 0; k < count; ++k) sums[nearest[k]] += share[k];
+    }
+  }
+  sums[0] += sums[kAngles];
+  for (size_t a = 0; a < kAngles; ++a) histogram[a] = sums[a];
+}
+
 // The image at the samples of a patch, bilinear.
 void SamplePatch(const float* image, size_t stride, int width, int height,
                  float x, float y, float along_x, float along_y,
@@ -139,26 +204,6 @@ void SamplePatch(const float* image, size_t stride, int width, int height,
     const auto bottom = hn::MulAdd(a, hn::Sub(p11, p01), p01);
     hn::StoreU(hn::MulAdd(b, hn::Sub(bottom, top), top), d, patch + i);
   }
-}
-
-// The direction of (x, y) in eighths of a turn, in [0, 8], exact to 1e-4.
-template <class D, class V>
-V DirectionOf(D d, V x, V y) {
-  const V ax = hn::Abs(x);
-  const V ay = hn::Abs(y);
-  const V ratio =
-      hn::Div(hn::Min(ax, ay), hn::Max(hn::Max(ax, ay), hn::Set(d, 1e-12F)));
-  // Arctangent, Abramowitz and Stegun 4.4.49, times 4 / pi.
-  const V square = hn::Mul(ratio, ratio);
-  V t = hn::MulAdd(square, hn::Set(d, 0.0265281F), hn::Set(d, -0.1083948F));
-  t = hn::MulAdd(square, t, hn::Set(d, 0.2293629F));
-  t = hn::MulAdd(square, t, hn::Set(d, -0.4205504F));
-  t = hn::MulAdd(square, t, hn::Set(d, 1.2730690F));
-  t = hn::Mul(t, ratio);
-  t = hn::IfThenElse(hn::Gt(ay, ax), hn::Sub(hn::Set(d, 2.0F), t), t);
-  t = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 4.0F), t), t);
-  return hn::IfThenElse(hn::Lt(y, hn::Zero(d)), hn::Sub(hn::Set(d, 8.0F), t),
-                        t);
 }
 
 // histogram[(cell row * kCells + cell column) * kDirections + direction].
@@ -249,31 +294,46 @@ HWY_AFTER_NAMESPACE();
 #include <numbers>
 
 #include "server/core/features/parameters.h"
+#include "server/core/features/scale_space.h"
 
 namespace treeline::features {
 namespace {
 
 HWY_EXPORT(SumHarmonics);
+HWY_EXPORT(SumDirections);
 HWY_EXPORT(SamplePatch);
 HWY_EXPORT(FillHistogram);
 HWY_EXPORT(QuantizeHistogram);
 
-// Windows of features of layers 1 to kLayers.
+// Lowe's window in which angles are sought: its standard deviation in blurs of
+// the feature, and its radius in standard deviations.
+constexpr float kLoweAngleWindow = 1.5F;
+constexpr float kLoweAngleWindowReach = 3;
+// Angles of one of FastSift's places.
+constexpr size_t kFastAngles = 2;
+
+// A Gaussian cut off at `reach` standard deviations.
+Window MakeWindow(float sigma_px, float reach) {
+  Window window;
+  window.radius = std::min(Window::kMaxRadius,
+                           static_cast<int>(std::lround(reach * sigma_px)));
+  for (int i = -window.radius; i <= window.radius; ++i) {
+    const float t = static_cast<float>(i) / sigma_px;
+    window.weight[static_cast<size_t>(i + window.radius)] =
+        std::exp(-0.5F * t * t);
+  }
+  return window;
+}
+
+// Windows of features of layers 1 to kLayers of FastSift's scale space.
 const Window& WindowOf(float sigma) {
   static const std::array<Window, ScaleSpace::kLayers> kWindows = [] {
     std::array<Window, ScaleSpace::kLayers> windows;
     for (size_t l = 0; l < windows.size(); ++l) {
-      const float reach =
-          kAngleWindow * ScaleSpace::Sigma(static_cast<float>(l + 1));
-      Window& window = windows[l];
-      window.radius =
-          std::min(Window::kMaxRadius,
-                   static_cast<int>(std::lround(kAngleWindowReach * reach)));
-      for (int i = -window.radius; i <= window.radius; ++i) {
-        const float t = static_cast<float>(i) / reach;
-        window.weight[static_cast<size_t>(i + window.radius)] =
-            std::exp(-0.5F * t * t);
-      }
+      windows[l] = MakeWindow(
+          kAngleWindow *
+              ScaleSpace::BlurOfLevel(kBaseBlur_px, static_cast<float>(l + 1)),
+          kAngleWindowReach);
     }
     return windows;
   }();
@@ -282,9 +342,6 @@ const Window& WindowOf(float sigma) {
   return kWindows[static_cast<size_t>(
       std::clamp<long>(std::lround(layer), 1, ScaleSpace::kLayers) - 1)];
 }
-
-// The smoothed histogram is looked at in so many directions.
-constexpr size_t kAngles = 36;
 
 struct AngleTables {
   // Of direction a and harmonic k.
@@ -339,6 +396,38 @@ const PatchTables& Patch() {
   return kTables;
 }
 
+// Peaks of a histogram of directions, `most` at most.
+DominantAngles PeaksOf(const std::array<float, kAngles>& histogram,
+                       size_t most) {
+  DominantAngles found;
+  const float least =
+      kSecondAngle * *std::max_element(histogram.begin(), histogram.end());
+  std::array<float, DominantAngles::kMax> height{};
+  for (size_t a = 0; a < kAngles; ++a) {
+    const float before = histogram[(a + kAngles - 1) % kAngles];
+    const float here = histogram[a];
+    const float after = histogram[(a + 1) % kAngles];
+    if (here < least || !(here > before && here >= after)) continue;
+    const float at = static_cast<float>(a) +
+                     0.5F * (before - after) / (before - 2 * here + after);
+    const float turn = static_cast<float>(2 * std::numbers::pi);
+    float angle = at * turn / static_cast<float>(kAngles);
+    if (angle < 0) angle += turn;
+    // Put in its place, strongest first.
+    size_t place_in = found.count;
+    while (place_in > 0 && height[place_in - 1] < here) --place_in;
+    if (place_in == most) continue;
+    for (size_t i = most - 1; i > place_in; --i) {
+      height[i] = height[i - 1];
+      found.angle_rad[i] = found.angle_rad[i - 1];
+    }
+    height[place_in] = here;
+    found.angle_rad[place_in] = angle;
+    found.count = std::min(found.count + 1, most);
+  }
+  return found;
+}
+
 }  // namespace
 
 DominantAngles FindDominantAngles(const FloatImage& image,
@@ -359,40 +448,32 @@ DominantAngles FindDominantAngles(const FloatImage& image,
           real * tables.cosine[k][a] + imaginary * tables.sine[k][a];
     }
   }
-  DominantAngles found;
-  const float least =
-      kSecondAngle * *std::max_element(histogram.begin(), histogram.end());
-  if (!(harmonics[0] > 1e-3F)) return found;
-  std::array<float, DominantAngles::kMax> height{};
+  if (!(harmonics[0] > 1e-3F)) return {};
+  return PeaksOf(histogram, kFastAngles);
+}
+
+DominantAngles FindLoweAngles(const FloatImage& image,
+                              const ImagePlace& place) {
+  const Window window =
+      MakeWindow(kLoweAngleWindow * place.sigma, kLoweAngleWindowReach);
+  std::array<float, kAngles> sums;
+  HWY_DYNAMIC_DISPATCH(SumDirections)
+  (image.row(0), image.stride(), image.width(), image.height(),
+   static_cast<int>(std::lround(place.x)),
+   static_cast<int>(std::lround(place.y)), window, sums.data());
+  std::array<float, kAngles> smooth;
   for (size_t a = 0; a < kAngles; ++a) {
-    const float before = histogram[(a + kAngles - 1) % kAngles];
-    const float here = histogram[a];
-    const float after = histogram[(a + 1) % kAngles];
-    if (here < least || !(here > before && here >= after)) continue;
-    const float at = static_cast<float>(a) +
-                     0.5F * (before - after) / (before - 2 * here + after);
-    const float turn = static_cast<float>(2 * std::numbers::pi);
-    float angle = at * turn / static_cast<float>(kAngles);
-    if (angle < 0) angle += turn;
-    // Put in its place, strongest first.
-    size_t place_in = found.count;
-    while (place_in > 0 && height[place_in - 1] < here) --place_in;
-    if (place_in == DominantAngles::kMax) continue;
-    for (size_t i = DominantAngles::kMax - 1; i > place_in; --i) {
-      height[i] = height[i - 1];
-      found.angle_rad[i] = found.angle_rad[i - 1];
-    }
-    height[place_in] = here;
-    found.angle_rad[place_in] = angle;
-    found.count = std::min(found.count + 1, DominantAngles::kMax);
+    const auto at = [&](size_t off) { return sums[(a + off) % kAngles]; };
+    smooth[a] = (at(kAngles - 2) + at(2)) / 16 + (at(kAngles - 1) + at(1)) / 4 +
+                at(0) * 3 / 8;
   }
-  return found;
+  return PeaksOf(smooth, DominantAngles::kMax);
 }
 
 SiftDescriptor DescribePlace(const FloatImage& image, const ImagePlace& place,
-                             float angle_rad) {
+                             float angle_rad, float cell_sigmas) {
   const float step =
-      place.sigma * kCellSize * kPatchCells / static_cast<float>(kSide);
+      place.sigma * cell_sigmas * kPatchCells / static_cast<float>(kSide);
   std::array<float, kSamples + 16> patch;
   HWY_DYNAMIC_DISPATCH(SamplePatch)
   (image.row(0), image.stride(), image.width(), image.height(), place.x,

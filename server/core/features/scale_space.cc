@@ -1,83 +1,5 @@
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "server/core/features/scale_space.cc"
 #include "server/core/features/scale_space.h"
 
-#include "hwy/foreach_target.h"  // IWYU pragma: keep
-#include "hwy/highway.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace treeline::features::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Adds R + 2 G + B of each pixel to sums, or stores it if `first`.
-void AddGray(const uint8_t* rgb, size_t pixels, bool first, uint16_t* sums) {
-  const hn::ScalableTag<uint16_t> d16;
-  const hn::Rebind<uint8_t, decltype(d16)> d8;
-  const size_t lanes = hn::Lanes(d16);
-  size_t i = 0;
-  for (; i + lanes <= pixels; i += lanes) {
-    hn::Vec<decltype(d8)> r, g, b;
-    hn::LoadInterleaved3(d8, rgb + 3 * i, r, g, b);
-    auto sum = hn::Add(hn::Add(hn::PromoteTo(d16, r), hn::PromoteTo(d16, b)),
-                       hn::ShiftLeft<1>(hn::PromoteTo(d16, g)));
-    if (!first) sum = hn::Add(sum, hn::LoadU(d16, sums + i));
-    hn::StoreU(sum, d16, sums + i);
-  }
-  for (; i < pixels; ++i) {
-    const int gray = rgb[3 * i] + 2 * rgb[3 * i + 1] + rgb[3 * i + 2];
-    sums[i] = static_cast<uint16_t>((first ? 0 : sums[i]) + gray);
-  }
-}
-
-// Convolves with the symmetric kernel of which taps[k] stands k from the
-// middle, along both axes; beyond its edges the image goes on with what is
-// there. `row` has room for a row, taps.size() and a vector on either side.
-// `difference`, if not null, becomes out - in.
-void Blur(const FloatImage& in, const float* taps, int radius, float* row,
-          FloatImage& out, FloatImage* difference) {
-  const hn::CappedTag<float, 16> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int width = in.width();
-  const int last = in.height() - 1;
-  float* const middle = row + radius + lanes;
-  for (int y = 0; y <= last; ++y) {
-    const float* const at = in.row(y);
-    for (int x = 0; x < width; x += lanes) {
-      auto sum = hn::Mul(hn::LoadU(d, at + x), hn::Set(d, taps[0]));
-      for (int k = 1; k <= radius; ++k) {
-        const float* above = in.row(y - k < 0 ? 0 : y - k);
-        const float* below = in.row(y + k > last ? last : y + k);
-        sum = hn::MulAdd(
-            hn::Add(hn::LoadU(d, above + x), hn::LoadU(d, below + x)),
-            hn::Set(d, taps[k]), sum);
-      }
-      hn::StoreU(sum, d, middle + x);
-    }
-    for (int k = 1; k <= radius; ++k) {
-      middle[-k] = middle[0];
-      middle[width - 1 + k] = middle[width - 1];
-    }
-    float* const to = out.row(y);
-    float* const gap = difference == nullptr ? nullptr : difference->row(y);
-    for (int x = 0; x < width; x += lanes) {
-      auto sum = hn::Mul(hn::LoadU(d, middle + x), hn::Set(d, taps[0]));
-      for (int k = 1; k <= radius; ++k) {
-        sum = hn::MulAdd(
-            hn::Add(hn::LoadU(d, middle + x - k), hn::LoadU(d, middle + x + k)),
-            hn::Set(d, taps[k]), sum);
-      }
-      hn::StoreU(sum, d, to + x);
-      if (gap != nullptr) {
-        hn::StoreU(hn::Sub(sum, hn::LoadU(d, at + x)), d, gap + x);
-      }
-    }
-  }
-}
-
-}  // namespace treeline::features::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 #include <algorithm>
 #include <cmath>
 
@@ -86,43 +8,10 @@ HWY_AFTER_NAMESPACE();
 namespace treeline::features {
 namespace {
 
-HWY_EXPORT(AddGray);
-HWY_EXPORT(Blur);
-
-// Room for the widest vector.
-constexpr size_t kSlack = 16;
-// What sums of 16 bits hold of R + 2 G + B.
-constexpr int kMaxReduction = 64;
-
-// A Gaussian's taps from the middle on; they sum to one over both sides.
-std::vector<float> Taps(float sigma) {
-  const int radius =
-      std::max(1, static_cast<int>(std::lround(kKernelReach * sigma)));
-  std::vector<float> taps;
-  float sum = 0;
-  for (int k = 0; k <= radius; ++k) {
-    const float t = static_cast<float>(k) / sigma;
-    taps.push_back(std::exp(-0.5F * t * t));
-    sum += (k == 0 ? 1.0F : 2.0F) * taps.back();
-  }
-  for (float& tap : taps) tap /= sum;
-  return taps;
-}
-
-// What takes level l - 1 to level l; for l = 0, the picture to level 0.
-const std::vector<float>& TapsOf(size_t level) {
-  static const std::vector<std::vector<float>> kTaps = [] {
-    std::vector<std::vector<float>> taps;
-    float before = kPictureBlur_px;
-    for (size_t l = 0; l < ScaleSpace::kLayers + 3; ++l) {
-      const float sigma = ScaleSpace::Sigma(static_cast<float>(l));
-      taps.push_back(Taps(std::sqrt(sigma * sigma - before * before)));
-      before = sigma;
-    }
-    return taps;
-  }();
-  return kTaps[level];
-}
+constexpr size_t kLevels = ScaleSpace::kLayers + 3;
+// Rows of a level before it is the next one's turn: those of all levels that
+// are read again then lie in the cache.
+constexpr int kRowsAtOnce = 16;
 
 // Every second pixel of every second row.
 void Decimate(const FloatImage& in, FloatImage& out) {
@@ -136,78 +25,91 @@ void Decimate(const FloatImage& in, FloatImage& out) {
 
 }  // namespace
 
-void FloatImage::Resize(int width, int height) {
-  width_ = width;
-  height_ = height;
-  stride_ = (static_cast<size_t>(width) + 2 * kSlack - 1) / kSlack * kSlack;
-  data_.resize(stride_ * static_cast<size_t>(height) + kSlack);
-}
+ScaleSpace::ScaleSpace()
+    : ScaleSpace(ScaleSpaceOptions{.base_blur_px = kBaseBlur_px,
+                                   .picture_blur_px = kPictureBlur_px,
+                                   .kernel_reach = kKernelReach,
+                                   .min_octave_side_px = kMinOctaveSide_px}) {}
 
-float ScaleSpace::Sigma(float level) {
-  return kBaseBlur_px * std::exp2(level / static_cast<float>(kLayers));
-}
-
-void ScaleSpace::Reduce(const image::ColorImage& image, FloatImage& reduced) {
-  const int n = reduction_;
-  reduced.Resize(image.width / n, image.height / n);
-  const size_t pixels = static_cast<size_t>(image.width);
-  row_sums_.resize(pixels);
-  const auto add_gray = HWY_DYNAMIC_DISPATCH(AddGray);
-  const float scale = 0.25F / static_cast<float>(n * n);
-  for (int y = 0; y < reduced.height(); ++y) {
-    for (int k = 0; k < n; ++k) {
-      add_gray(image.rgb.data() + 3 * pixels * static_cast<size_t>(n * y + k),
-               pixels, k == 0, row_sums_.data());
-    }
-    float* out = reduced.row(y);
-    const uint16_t* in = row_sums_.data();
-    for (int x = 0; x < reduced.width(); ++x, in += n) {
-      uint32_t sum = 0;
-      for (int k = 0; k < n; ++k) sum += in[k];
-      out[x] = scale * static_cast<float>(sum);
-    }
+ScaleSpace::ScaleSpace(const ScaleSpaceOptions& options) : options_(options) {
+  float before = options_.picture_blur_px;
+  for (size_t l = 0; l < kLevels; ++l) {
+    const float sigma = Sigma(static_cast<float>(l));
+    blurs_.emplace_back(std::sqrt(sigma * sigma - before * before),
+                        options_.kernel_reach);
+    before = sigma;
   }
+}
+
+float ScaleSpace::BlurOfLevel(float base_blur_px, float level) {
+  return base_blur_px * std::exp2(level / static_cast<float>(kLayers));
 }
 
 int ScaleSpace::ReductionOf(int width, int height) {
   const double pixels = double{1} * width * height;
   return std::clamp(static_cast<int>(std::ceil(
                         std::sqrt(pixels / static_cast<double>(kMaxPixels)))),
-                    1, kMaxReduction);
+                    1, MaxReduction(kPlainGray));
 }
 
-void ScaleSpace::Assign(const image::ColorImage& image, int least_reduction) {
+// Levels `first` to `last` from the level before, or from the picture. A level
+// follows the one before as closely as its blur allows.
+void ScaleSpace::Fill(const FloatImage& base, size_t first, size_t last,
+                      Octave& octave) {
+  const int height = base.height();
+  for (size_t l = first; l <= last; ++l) {
+    octave.gaussian[l].Resize(base.width(), height);
+  }
+  std::array<int, kLevels> done{};
+  for (int ready = 0; done[last] < height;) {
+    ready = std::min(height, ready + kRowsAtOnce);
+    int there = ready;
+    const FloatImage* in = &base;
+    for (size_t l = first; l <= last; ++l) {
+      const GaussianBlur& blur = blurs_[l];
+      const int end =
+          there == height ? height : std::max(done[l], there - blur.radius());
+      blur.Rows(*in, done[l], end, octave.gaussian[l], blurred_row_);
+      done[l] = there = end;
+      in = &octave.gaussian[l];
+    }
+  }
+}
+
+void ScaleSpace::Begin(const FloatImage& picture, double pixel, double origin) {
   octave_count_ = 0;
-  reduction_ = std::clamp(
-      least_reduction, ReductionOf(image.width, image.height), kMaxReduction);
-  int least = std::min(image.width, image.height) / reduction_;
-  if (least < kMinOctaveSide_px) return;
-  Reduce(image, reduced_);
-  const auto blur = HWY_DYNAMIC_DISPATCH(Blur);
-  for (; least >= kMinOctaveSide_px; least = (least + 1) / 2) {
+  pixel_ = pixel;
+  origin_ = origin;
+  int least = std::min(picture.width(), picture.height());
+  for (; least >= options_.min_octave_side_px &&
+         octave_count_ < options_.max_octaves;
+       least = (least + 1) / 2) {
     if (octave_count_ == octaves_.size()) octaves_.emplace_back();
     Octave& octave = octaves_[octave_count_];
-    std::array<FloatImage, kLayers + 3>& levels = octave.gaussian;
-    if (octave_count_ > 0) {
-      Decimate(octaves_[octave_count_ - 1].gaussian[kLayers], levels[0]);
-    }
-    const FloatImage& base = octave_count_ == 0 ? reduced_ : levels[0];
-    blurred_row_.resize(base.stride() + 4 * kSlack + 64);
-    for (size_t l = octave_count_ == 0 ? 0 : 1; l < levels.size(); ++l) {
-      const std::vector<float>& taps = TapsOf(l);
-      const FloatImage& in = l == 0 ? base : levels[l - 1];
-      levels[l].Resize(base.width(), base.height());
-      FloatImage* difference = nullptr;
-      if (l > 0) {
-        difference = &octave.difference[l - 1];
-        difference->Resize(base.width(), base.height());
-      }
-      blur(in, taps.data(), static_cast<int>(taps.size()) - 1,
-           blurred_row_.data(), levels[l], difference);
+    if (octave_count_ == 0) {
+      Fill(picture, 0, kLayers, octave);
+    } else {
+      Decimate(octaves_[octave_count_ - 1].gaussian[kLayers],
+               octave.gaussian[0]);
+      Fill(octave.gaussian[0], 1, kLayers, octave);
     }
     ++octave_count_;
   }
 }
 
+void ScaleSpace::Complete(size_t octave) {
+  Fill(octaves_[octave].gaussian[kLayers], kLayers + 1, kLevels - 1,
+       octaves_[octave]);
+}
+
+void ScaleSpace::Assign(const image::ColorImage& image, int least_reduction) {
+  const int reduction =
+      std::clamp(least_reduction, ReductionOf(image.width, image.height),
+                 MaxReduction(kPlainGray));
+  ReduceToGray(image, reduction, kPlainGray, row_sums_, reduced_);
+  // Pixels are means: the first one lies in the middle of those it is of.
+  Begin(reduced_, reduction, 0.5 * reduction - 0.5);
+  for (size_t o = 0; o < octave_count_; ++o) Complete(o);
+}
+
 }  // namespace treeline::features
-#endif  // HWY_ONCE

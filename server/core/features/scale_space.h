@@ -1,5 +1,5 @@
 // The scale space of a picture (Lowe 2004, section 3): its brightness, blurred
-// more and more, and the differences of neighbouring blurs.
+// more and more.
 #ifndef SERVER_CORE_FEATURES_SCALE_SPACE_H_
 #define SERVER_CORE_FEATURES_SCALE_SPACE_H_
 
@@ -10,72 +10,91 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "server/core/features/float_image.h"
+#include "server/core/features/gaussian_blur.h"
 
 namespace treeline::features {
 
-// Values of a raster. Behind each row is room for a whole vector, so that SIMD
-// code need not care where a row ends.
-class FloatImage {
- public:
-  // Reuses the allocation; what the values are then is not defined.
-  void Resize(int width, int height);
-
-  int width() const { return width_; }
-  int height() const { return height_; }
-  size_t stride() const { return stride_; }
-  float* row(int y) { return data_.data() + static_cast<size_t>(y) * stride_; }
-  const float* row(int y) const {
-    return data_.data() + static_cast<size_t>(y) * stride_;
-  }
-
- private:
-  int width_ = 0;
-  int height_ = 0;
-  size_t stride_ = 0;
-  std::vector<float> data_;
+struct ScaleSpaceOptions {
+  // Of the finest level, in pixels of its octave, ...
+  float base_blur_px = 0;
+  // ... and what a picture has of itself: less.
+  float picture_blur_px = 0;
+  // Standard deviations at which a Gaussian is cut off.
+  float kernel_reach = 0;
+  // Octaves that are smaller than this, at least 2, on a side are left out, ...
+  int min_octave_side_px = 2;
+  // ... and those above so many.
+  size_t max_octaves = SIZE_MAX;
 };
 
-// Pictures are looked at in a reduced size, each pixel the mean of n x n, so
-// that time does not grow with them. Octave o has every 2^o-th of these pixels
-// in both directions.
+// Octave o has every 2^o-th pixel of a picture in both directions.
 class ScaleSpace {
  public:
   // Layers of an octave in which features are found; blur doubles over them.
   static constexpr int kLayers = 3;
 
   struct Octave {
-    // Level l is blurred by Sigma(l) of the octave's pixels.
+    // Level l is blurred by Sigma(l) of the octave's pixels. Features stand on
+    // the differences of neighbouring levels; difference l is level l + 1 less
+    // level l.
     std::array<FloatImage, kLayers + 3> gaussian;
-    // Level l is gaussian[l + 1] - gaussian[l].
-    std::array<FloatImage, kLayers + 2> difference;
+
+    int width() const { return gaussian[0].width(); }
+    int height() const { return gaussian[0].height(); }
   };
 
-  // Brightness is (R + 2 G + B) / 4. The picture is reduced by its size, and by
-  // no less than least_reduction. Reuses its allocations.
+  // FastSift's.
+  ScaleSpace();
+  explicit ScaleSpace(const ScaleSpaceOptions& options);
+
+  // Pictures are looked at in a reduced size, so that time does not grow with
+  // them: reduced by their size, and by no less than least_reduction. Levels
+  // are all there. Reuses its allocations.
   void Assign(const image::ColorImage& image, int least_reduction = 1);
   // By how many a picture of this size is reduced.
   static int ReductionOf(int width, int height);
 
+  // All octaves of a picture in grey, with those levels that the next octave
+  // takes: 0 to kLayers. Pixel x of the picture lies at pixel * x + origin of
+  // the image, in both directions. Reuses its allocations. `picture` is not
+  // needed afterwards.
+  void Begin(const FloatImage& picture, double pixel, double origin);
+  // ... and the other levels of one octave, once.
+  void Complete(size_t octave);
+
   std::span<const Octave> octaves() const {
     return {octaves_.data(), octave_count_};
   }
-  // Pixels of the picture in one of octave 0, a side.
-  int reduction() const { return reduction_; }
+  // A pixel of octave 0 in pixels of the image.
+  double pixel() const { return pixel_; }
 
   // The blur of a level, which may lie between two, in pixels of its octave.
-  static float Sigma(float level);
-  // Position x of octave o in the picture. Pixel centres are at integer
+  float Sigma(float level) const {
+    return BlurOfLevel(options_.base_blur_px, level);
+  }
+  // The same for a blur of level 0.
+  static float BlurOfLevel(float base_blur_px, float level);
+  // Position x of octave o in the image. Pixel centres are at integer
   // coordinates in both, see docs/frames.md.
-  double InPicture(float x, size_t octave) const {
-    return (static_cast<double>(x) * static_cast<double>(1u << octave) + 0.5) *
-               reduction_ -
-           0.5;
+  double InImage(float x, size_t octave) const {
+    return static_cast<double>(x) * static_cast<double>(1u << octave) * pixel_ +
+           origin_;
+  }
+  // ... and where a position in the image lies in octave o.
+  float InOctave(double x, size_t octave) const {
+    return static_cast<float>((x - origin_) / pixel_ /
+                              static_cast<double>(1u << octave));
   }
 
  private:
-  void Reduce(const image::ColorImage& image, FloatImage& reduced);
+  void Fill(const FloatImage& base, size_t first, size_t last, Octave& octave);
 
-  int reduction_ = 1;
+  ScaleSpaceOptions options_;
+  // Blur l takes level l - 1 to level l; blur 0 the picture to level 0.
+  std::vector<GaussianBlur> blurs_;
+  double pixel_ = 1;
+  double origin_ = 0;
   size_t octave_count_ = 0;
   std::vector<Octave> octaves_;
   FloatImage reduced_;

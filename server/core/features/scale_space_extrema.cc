@@ -9,46 +9,52 @@ HWY_BEFORE_NAMESPACE();
 namespace treeline::features::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The x in [begin, end) of a row at which `at` is further from zero than
-// `least` and than all neighbours of its sign, in this level (rows one stride
-// apart), the one below and the one above. Returns how many it wrote to found,
-// which has room for end - begin and a vector.
-size_t ExtremaOfRow(const float* below, const float* at, const float* above,
-                    size_t stride, size_t begin, size_t end, float least,
+// The x in [begin, end) of a row at which the middle one of the differences of
+// four levels is further from zero than `least` and than all neighbours of its
+// sign, in this difference (rows one stride apart), the one below and the one
+// above. `levels` are the rows at the same y. Returns how many it wrote to
+// found, which has room for end - begin and a vector.
+size_t ExtremaOfRow(const float* const* levels, ptrdiff_t stride,
+                    ptrdiff_t begin, ptrdiff_t end, float least,
                     int32_t* found) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
-  const size_t lanes = hn::Lanes(d);
+  const ptrdiff_t lanes = static_cast<ptrdiff_t>(hn::Lanes(d));
   const auto sign_bit = hn::SignBit(d);
   const auto threshold = hn::Set(d, least);
   size_t count = 0;
-  for (size_t x = begin; x < end; x += lanes) {
-    const auto value = hn::LoadU(d, at + x);
+  for (ptrdiff_t x = begin; x < end; x += lanes) {
+    const auto difference = [&](size_t l, ptrdiff_t at) HWY_ATTR {
+      return hn::Sub(hn::LoadU(d, levels[l + 1] + at),
+                     hn::LoadU(d, levels[l] + at));
+    };
+    const auto value = difference(1, x);
     // With this sign, every extremum is a maximum.
     const auto sign = hn::And(value, sign_bit);
     const auto size = hn::Abs(value);
-    const auto upright = [&](const float* from) HWY_ATTR {
-      return hn::Xor(hn::LoadU(d, from), sign);
+    const auto upright = [&](size_t l, ptrdiff_t at) HWY_ATTR {
+      return hn::Xor(difference(l, at), sign);
     };
-    const auto of_three = [&](const float* from) HWY_ATTR {
-      return hn::Max(hn::Max(upright(from - 1), upright(from)),
-                     upright(from + 1));
+    const auto of_three = [&](size_t l, ptrdiff_t at) HWY_ATTR {
+      return hn::Max(hn::Max(upright(l, at - 1), upright(l, at)),
+                     upright(l, at + 1));
     };
     // Of equal neighbours the last one counts, so that a value that occurs
     // twice is found once.
-    auto beyond = hn::And(hn::Gt(size, threshold),
-                          hn::And(hn::Ge(size, upright(at + x - 1)),
-                                  hn::Gt(size, upright(at + x + 1))));
+    auto beyond = hn::Gt(size, threshold);
     if (hn::AllFalse(d, beyond)) continue;
-    beyond = hn::And(beyond, hn::And(hn::Ge(size, of_three(at + x - stride)),
-                                     hn::Gt(size, of_three(at + x + stride))));
+    beyond = hn::And(beyond, hn::And(hn::Ge(size, upright(1, x - 1)),
+                                     hn::Gt(size, upright(1, x + 1))));
     if (hn::AllFalse(d, beyond)) continue;
-    const auto of_nine = [&](const float* from) HWY_ATTR {
-      return hn::Max(hn::Max(of_three(from - stride), of_three(from)),
-                     of_three(from + stride));
+    beyond = hn::And(beyond, hn::And(hn::Ge(size, of_three(1, x - stride)),
+                                     hn::Gt(size, of_three(1, x + stride))));
+    if (hn::AllFalse(d, beyond)) continue;
+    const auto of_nine = [&](size_t l) HWY_ATTR {
+      return hn::Max(hn::Max(of_three(l, x - stride), of_three(l, x)),
+                     of_three(l, x + stride));
     };
-    beyond = hn::And(beyond, hn::And(hn::Ge(size, of_nine(below + x)),
-                                     hn::Gt(size, of_nine(above + x))));
+    beyond = hn::And(
+        beyond, hn::And(hn::Ge(size, of_nine(0)), hn::Gt(size, of_nine(2))));
     if (hn::AllFalse(d, beyond)) continue;
     count += hn::CompressStore(hn::Iota(di, static_cast<int32_t>(x)),
                                hn::RebindMask(di, beyond), di, found + count);
@@ -57,17 +63,21 @@ size_t ExtremaOfRow(const float* below, const float* at, const float* above,
   return count;
 }
 
-// The sum of |value| over a row.
-float AbsSum(const float* row, size_t width) {
+// The sum of |a - b| over a row.
+float AbsSum(const float* a, const float* b, size_t width) {
   const hn::CappedTag<float, 16> d;
   const size_t lanes = hn::Lanes(d);
   auto sum = hn::Zero(d);
   size_t x = 0;
   for (; x + lanes <= width; x += lanes) {
-    sum = hn::Add(sum, hn::Abs(hn::LoadU(d, row + x)));
+    sum = hn::Add(sum,
+                  hn::Abs(hn::Sub(hn::LoadU(d, a + x), hn::LoadU(d, b + x))));
   }
   float total = hn::GetLane(hn::SumOfLanes(d, sum));
-  for (; x < width; ++x) total += row[x] < 0 ? -row[x] : row[x];
+  for (; x < width; ++x) {
+    const float value = a[x] - b[x];
+    total += value < 0 ? -value : value;
+  }
   return total;
 }
 
@@ -76,7 +86,9 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "server/core/features/parameters.h"
@@ -87,8 +99,8 @@ namespace {
 HWY_EXPORT(ExtremaOfRow);
 HWY_EXPORT(AbsSum);
 
-// Room for the widest vector.
-constexpr size_t kSlack = 16;
+// A refined contrast is larger than that of the pixel, but not by more.
+constexpr float kPixelContrast = 0.8F;
 
 using Octave = ScaleSpace::Octave;
 
@@ -101,8 +113,9 @@ struct Curvature {
 
 Curvature CurvatureAt(const Octave& octave, size_t level, int x, int y) {
   const auto at = [&](int l, int i, int j) {
-    return octave.difference[level + static_cast<size_t>(l) - 1].row(y +
-                                                                     j)[x + i];
+    const size_t above = level + static_cast<size_t>(l);
+    return octave.gaussian[above].row(y + j)[x + i] -
+           octave.gaussian[above - 1].row(y + j)[x + i];
   };
   // Levels are counted 0, 1, 2 from the one below.
   const float middle = at(1, 0, 0);
@@ -139,33 +152,33 @@ std::optional<Offset> ExtremumOf(const Curvature& c) {
                 -(e * c.dx + g * c.dy + h * c.ds) / determinant};
 }
 
-bool IsOnEdge(const Curvature& c) {
+bool IsOnEdge(const Curvature& c, float ratio) {
   const float trace = c.dxx + c.dyy;
   const float determinant = c.dxx * c.dyy - c.dxy * c.dxy;
-  const float ratio = kMaxCurvatureRatio;
   return !(determinant > 0) ||
          trace * trace * ratio >= (ratio + 1) * (ratio + 1) * determinant;
 }
 
-int StepOf(float offset) {
-  return offset > kMoveBeyond_px ? 1 : offset < -kMoveBeyond_px ? -1 : 0;
-}
-
 // The extremum near a pixel. nullopt: it runs away, or is on an edge.
 std::optional<ScaleSpaceExtremum> Refine(const Octave& octave, size_t level,
-                                         int x, int y) {
-  const FloatImage& image = octave.difference[0];
+                                         int x, int y,
+                                         const ExtremumOptions& options) {
+  const float beyond = options.move_beyond;
+  const auto step_of = [beyond](float offset) {
+    return offset > beyond ? 1 : offset < -beyond ? -1 : 0;
+  };
   for (int move = 0; move < kMaxMoves; ++move) {
     const Curvature c = CurvatureAt(octave, level, x, y);
     const std::optional<Offset> offset = ExtremumOf(c);
     if (!offset) return std::nullopt;
-    const int step_x = StepOf(offset->x);
-    const int step_y = StepOf(offset->y);
-    const int step_s = StepOf(offset->s);
+    const int step_x = step_of(offset->x);
+    const int step_y = step_of(offset->y);
+    const int step_s = step_of(offset->s);
     if (step_x == 0 && step_y == 0 && step_s == 0) {
-      if (IsOnEdge(c)) return std::nullopt;
+      if (IsOnEdge(c, options.max_curvature_ratio)) return std::nullopt;
       const float value =
-          octave.difference[level].row(y)[x] +
+          (octave.gaussian[level + 1].row(y)[x] -
+           octave.gaussian[level].row(y)[x]) +
           0.5F * (c.dx * offset->x + c.dy * offset->y + c.ds * offset->s);
       return ScaleSpaceExtremum{.x = static_cast<float>(x) + offset->x,
                                 .y = static_cast<float>(y) + offset->y,
@@ -176,8 +189,8 @@ std::optional<ScaleSpaceExtremum> Refine(const Octave& octave, size_t level,
     y += step_y;
     const int to = static_cast<int>(level) + step_s;
     if (to < 1 || to > ScaleSpace::kLayers || x < kExtremumBorder_px ||
-        y < kExtremumBorder_px || x >= image.width() - kExtremumBorder_px ||
-        y >= image.height() - kExtremumBorder_px) {
+        y < kExtremumBorder_px || x >= octave.width() - kExtremumBorder_px ||
+        y >= octave.height() - kExtremumBorder_px) {
       return std::nullopt;
     }
     level = static_cast<size_t>(to);
@@ -185,52 +198,57 @@ std::optional<ScaleSpaceExtremum> Refine(const Octave& octave, size_t level,
   return std::nullopt;
 }
 
-// Mean size of the finest differences.
-float MeanDifference(const Octave& octave) {
-  const FloatImage& finest = octave.difference[1];
-  const auto abs_sum = HWY_DYNAMIC_DISPATCH(AbsSum);
-  double sum = 0;
-  for (int y = 0; y < finest.height(); ++y) {
-    sum += static_cast<double>(
-        abs_sum(finest.row(y), static_cast<size_t>(finest.width())));
-  }
-  return static_cast<float>(sum / finest.width() / finest.height());
-}
-
 }  // namespace
 
-void FindExtrema(const ScaleSpace& space,
+float MeanDifference(const ScaleSpace& space) {
+  const Octave& octave = space.octaves()[0];
+  const auto abs_sum = HWY_DYNAMIC_DISPATCH(AbsSum);
+  double sum = 0;
+  for (int y = 0; y < octave.height(); ++y) {
+    sum += static_cast<double>(abs_sum(octave.gaussian[2].row(y),
+                                       octave.gaussian[1].row(y),
+                                       static_cast<size_t>(octave.width())));
+  }
+  return static_cast<float>(sum / octave.width() / octave.height());
+}
+
+void FindExtrema(const ScaleSpace& space, size_t o,
+                 const ExtremumOptions& options,
                  std::vector<ScaleSpaceExtremum>& extrema) {
-  extrema.clear();
-  if (space.octaves().empty()) return;
-  const float least = std::max<float>(
-      kMinContrast, kRelativeContrast * MeanDifference(space.octaves()[0]));
   const auto extrema_of_row = HWY_DYNAMIC_DISPATCH(ExtremaOfRow);
-  std::vector<int32_t> found;
-  for (size_t o = 0; o < space.octaves().size(); ++o) {
-    const Octave& octave = space.octaves()[o];
-    const FloatImage& size = octave.difference[0];
-    found.resize(static_cast<size_t>(size.width()) + 2 * kSlack);
+  const Octave& octave = space.octaves()[o];
+  std::vector<int32_t> found(octave.gaussian[0].stride() + FloatImage::kSlack);
+  // Rows of all levels while they are in the cache.
+  for (int y = kExtremumBorder_px; y < octave.height() - kExtremumBorder_px;
+       ++y) {
     for (size_t level = 1; level <= ScaleSpace::kLayers; ++level) {
-      for (int y = kExtremumBorder_px; y < size.height() - kExtremumBorder_px;
-           ++y) {
-        const size_t count = extrema_of_row(
-            octave.difference[level - 1].row(y),
-            octave.difference[level].row(y),
-            octave.difference[level + 1].row(y), size.stride(),
-            kExtremumBorder_px,
-            static_cast<size_t>(size.width() - kExtremumBorder_px),
-            0.8F * least, found.data());
-        for (size_t i = 0; i < count; ++i) {
-          std::optional<ScaleSpaceExtremum> extremum =
-              Refine(octave, level, found[i], y);
-          if (!extremum || extremum->contrast < least) continue;
-          extremum->octave = o;
-          extrema.push_back(*extremum);
-        }
+      const std::array<const float*, 4> rows = {
+          octave.gaussian[level - 1].row(y), octave.gaussian[level].row(y),
+          octave.gaussian[level + 1].row(y), octave.gaussian[level + 2].row(y)};
+      const size_t count = extrema_of_row(
+          rows.data(), static_cast<ptrdiff_t>(octave.gaussian[0].stride()),
+          kExtremumBorder_px, octave.width() - kExtremumBorder_px,
+          kPixelContrast * options.least_contrast, found.data());
+      for (size_t i = 0; i < count; ++i) {
+        std::optional<ScaleSpaceExtremum> extremum =
+            Refine(octave, level, found[i], y, options);
+        if (!extremum || extremum->contrast < options.least_contrast) continue;
+        extremum->octave = o;
+        extrema.push_back(*extremum);
       }
     }
   }
+}
+
+SiftKeypoint KeypointOf(const ScaleSpace& space,
+                        const ScaleSpaceExtremum& extremum, float angle_rad) {
+  const auto pixel = static_cast<float>(
+      space.pixel() * static_cast<double>(1u << extremum.octave));
+  return {.pixel = {space.InImage(extremum.x, extremum.octave),
+                    space.InImage(extremum.y, extremum.octave)},
+          .diameter_px = 2 * space.Sigma(extremum.level) * pixel,
+          .angle_deg = angle_rad * static_cast<float>(180 / std::numbers::pi),
+          .response = extremum.contrast};
 }
 
 }  // namespace treeline::features

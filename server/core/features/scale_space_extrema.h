@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/core/features/scale_space.h"
+#include "server/core/features/sift_features.h"
 
 namespace treeline::features {
 
@@ -20,13 +21,31 @@ struct ScaleSpaceExtremum {
   float contrast = 0;
 };
 
-// Values of the differences above those of all 26 neighbours or below them,
-// each moved to the extremum of a parabola through these. Left out: what lies
-// on an edge, where one curvature is far larger than the other, and what is
-// weak beside the rest of the picture (see parameters.h), so that a picture of
-// another exposure has the same. In the order of octaves, levels, rows.
-void FindExtrema(const ScaleSpace& space,
+struct ExtremumOptions {
+  // Weaker ones are left out; grey levels.
+  float least_contrast = 0;
+  // So are those with curvatures that differ by more than this factor: on
+  // edges.
+  float max_curvature_ratio = 0;
+  // One that is this far from its pixel or level, at least 0.5, is sought from
+  // the next one.
+  float move_beyond = 0.5F;
+};
+
+// Appends the values of an octave's differences above those of all 26
+// neighbours or below them, each moved to the extremum of a parabola through
+// these. In the order of rows and levels. The octave is complete.
+void FindExtrema(const ScaleSpace& space, size_t octave,
+                 const ExtremumOptions& options,
                  std::vector<ScaleSpaceExtremum>& extrema);
+
+// Mean size of the finest differences, in grey levels: of those of level 1 of
+// octave 0, which must be there.
+float MeanDifference(const ScaleSpace& space);
+
+// A feature that stands there: position and diameter in pixels of the image.
+SiftKeypoint KeypointOf(const ScaleSpace& space,
+                        const ScaleSpaceExtremum& extremum, float angle_rad);
 
 }  // namespace treeline::features
 

@@ -2,152 +2,192 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
+#include <cstdint>
+#include <numbers>
 #include <tuple>
 
-#include "absl/strings/str_cat.h"
-#include "opencv2/core.hpp"
-#include "opencv2/features2d.hpp"
-#include "opencv2/imgproc.hpp"
-#include "server/core/features/opencv_threads.h"
+#include "server/core/features/gradient_histograms.h"
 
 namespace treeline::features {
 namespace {
 
 constexpr int kMinSize_px = 8;
-// What OpenCV adds to both coordinates.
-constexpr float kOpenCvShift_px = 0.25F;
+// Lowe's, as OpenCV has them.
+constexpr float kBaseBlur = 1.6F;
+constexpr float kReach = 4;
+constexpr float kMaxEdgeRatio = 10;
+constexpr float kCellBlurs = 3;
+constexpr size_t kDirections = 8;
+// An octave this small has no pixel that is far enough from its edges.
+constexpr int kMinOctave_px = 12;
+// The camera's blur is taken for half a pixel, one of the doubled image.
+constexpr float kWholeBlur = 0.5F;
+constexpr float kDoubledBlur = 1;
+// Where the first pixel lies in the image, of both.
+constexpr double kOrigin_px = -0.25;
 
-cv::Mat GrayOf(const image::ColorImage& image) {
-  // OpenCV reads the pixels only.
-  const cv::Mat color(image.height, image.width, CV_8UC3,
-                      const_cast<uint8_t*>(image.rgb.data()));
-  cv::Mat gray;
-  cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
-  return gray;
+// Working memory of larger pictures, 37 bytes a pixel, and that of the doubled
+// image is not kept: each thread and scene has an object.
+constexpr int kMaxKept_px = 2'000'000;
+
+constexpr ScaleSpaceOptions kWhole = {.base_blur_px = kBaseBlur,
+                                      .picture_blur_px = kWholeBlur,
+                                      .kernel_reach = kReach,
+                                      .min_octave_side_px = kMinOctave_px};
+constexpr ScaleSpaceOptions kDoubled = {.base_blur_px = kBaseBlur,
+                                        .picture_blur_px = kDoubledBlur,
+                                        .kernel_reach = kReach,
+                                        .min_octave_side_px = kMinOctave_px,
+                                        .max_octaves = 1};
+
+constexpr float kRadPerDeg = static_cast<float>(std::numbers::pi / 180);
+
+// Largest first: a total order within an octave.
+bool IsBefore(const ScaleSpaceExtremum& a, const ScaleSpaceExtremum& b) {
+  return std::tie(b.level, b.contrast, a.y, a.x) <
+         std::tie(a.level, a.contrast, b.y, b.x);
 }
 
-SiftDescriptor DescriptorOf(const cv::Mat& rows, int row) {
-  return RootSift(std::span(rows.ptr<float>(row), SiftDescriptor::kDimensions));
+// From different pixels.
+bool IsSame(const ScaleSpaceExtremum& a, const ScaleSpaceExtremum& b) {
+  return std::tie(a.level, a.y, a.x) == std::tie(b.level, b.y, b.x);
 }
 
-// One row a keypoint, in their order. OpenCV doubles the image only if some
-// keypoint is of the lowest octave, and descriptors differ a little by that:
-// one such keypoint is always there, so that they do not depend on the others.
-void ComputeRows(cv::SIFT& sift, const cv::Mat& gray,
-                 std::vector<cv::KeyPoint>& keypoints, cv::Mat& rows) {
-  constexpr int kLowestOctave = 255 | 1 << 8;
-  keypoints.emplace_back(0.5F * static_cast<float>(gray.cols),
-                         0.5F * static_cast<float>(gray.rows), 2.0F, 0.0F, 0.0F,
-                         kLowestOctave);
-  sift.compute(gray, keypoints, rows);
-  keypoints.pop_back();
-}
-
-// OpenCV fails on images too small for an octave.
-bool IsTooSmall(const image::ColorImage& image) {
-  return std::min(image.width, image.height) < kMinSize_px;
-}
-
-SiftFeatures ExtractOrThrow(const image::ColorImage& image,
-                            const SiftOptions& options) {
-  if (IsTooSmall(image)) return {};
-  RunOpenCvOnCallingThread();
-  std::vector<cv::KeyPoint> found;
-  cv::Mat rows;
-  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(
-      /*nfeatures=*/0, /*nOctaveLayers=*/3, options.contrast);
-  const cv::Mat gray = GrayOf(image);
-  sift->detect(gray, found);
-  // A total order, so that equal sizes are not left to chance.
-  std::ranges::sort(found, [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
-    return std::tie(b.size, b.response, a.pt.y, a.pt.x, a.angle) <
-           std::tie(a.size, a.response, b.pt.y, b.pt.x, b.angle);
-  });
-  const size_t kept = static_cast<size_t>(options.max_features);
-  if (kept > 0 && found.size() > kept) found.resize(kept);
-  ComputeRows(*sift, gray, found, rows);
-  SiftFeatures features;
-  features.keypoints.reserve(found.size());
-  features.descriptors.reserve(found.size());
-  for (size_t i = 0; i < found.size(); ++i) {
-    const cv::KeyPoint& k = found[i];
-    features.keypoints.push_back(
-        {{static_cast<double>(k.pt.x - kOpenCvShift_px),
-          static_cast<double>(k.pt.y - kOpenCvShift_px)},
-         k.size,
-         k.angle,
-         k.response});
-    features.descriptors.push_back(DescriptorOf(rows, static_cast<int>(i)));
+// As OpenCV lays it out: directions are counted against the clock.
+SiftDescriptor DescribeAt(const FloatImage& level, const ImagePlace& place,
+                          float angle_rad) {
+  SiftDescriptor descriptor =
+      DescribePlace(level, place, angle_rad, kCellBlurs);
+  for (size_t cell = 0; cell < descriptor.values.size(); cell += kDirections) {
+    const auto first = descriptor.values.begin() + cell;
+    std::reverse(first + 1, first + kDirections);
   }
-  return features;
+  return descriptor;
 }
 
-// OpenCV packs octave and layer of its pyramid into a keypoint; they follow
-// from the size: diameter = 2 * 1.6 * 2^(octave + layer / 3), with octaves
-// from -1 and layers from 1 to 3.
-int PackedOctave(float diameter_px) {
-  const double level = 3 * std::log2(std::max(diameter_px, 0.1F) / 3.2);
-  const int rounded = std::clamp(static_cast<int>(std::lround(level)), -2, 30);
-  const int octave = (rounded + 2) / 3 - 1;
-  const int layer = rounded - 3 * octave;
-  return (octave & 255) | layer << 8;
-}
-
-std::vector<SiftDescriptor> DescribeOrThrow(
-    const image::ColorImage& image, std::span<const SiftKeypoint> keypoints) {
-  RunOpenCvOnCallingThread();
-  std::vector<cv::KeyPoint> wanted;
-  wanted.reserve(keypoints.size());
-  for (size_t i = 0; i < keypoints.size(); ++i) {
-    const SiftKeypoint& k = keypoints[i];
-    wanted.emplace_back(static_cast<float>(k.pixel.x) + kOpenCvShift_px,
-                        static_cast<float>(k.pixel.y) + kOpenCvShift_px,
-                        k.diameter_px, k.angle_deg, k.response,
-                        PackedOctave(k.diameter_px), static_cast<int>(i));
-  }
-  std::vector<SiftDescriptor> descriptors(keypoints.size());
-  if (keypoints.empty() || IsTooSmall(image)) return descriptors;
-  cv::Mat rows;
-  ComputeRows(*cv::SIFT::create(), GrayOf(image), wanted, rows);
-  for (size_t row = 0; row < wanted.size(); ++row) {
-    descriptors[static_cast<size_t>(wanted[row].class_id)] =
-        DescriptorOf(rows, static_cast<int>(row));
-  }
-  return descriptors;
+// The octave and layer that a diameter belongs to, which is
+// 2 * 1.6 * 2^(octave + layer / 3), with octaves from -1 and layers from 1 to
+// 3.
+struct PyramidPlace {
+  int octave = 0;
+  int layer = 0;
+};
+PyramidPlace PlaceOfDiameter(float diameter_px, int octaves) {
+  constexpr int kLayers = ScaleSpace::kLayers;
+  const double level =
+      kLayers * std::log2(static_cast<double>(std::max(diameter_px, 0.1F)) /
+                          static_cast<double>(2 * kBaseBlur));
+  const int rounded = std::clamp(static_cast<int>(std::lround(level)),
+                                 1 - kLayers, kLayers * octaves);
+  // Layers count from 1.
+  const int octave = (rounded + kLayers - 1) / kLayers - 1;
+  return {octave, rounded - kLayers * octave};
 }
 
 }  // namespace
 
-absl::StatusOr<SiftFeatures> ExtractSift(const image::ColorImage& image,
-                                         const SiftOptions& options) {
-  try {
-    return ExtractOrThrow(image, options);
-  } catch (const std::exception& error) {
-    return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
+SiftExtractor::SiftExtractor() : whole_(kWhole), doubled_(kDoubled) {}
+
+void SiftExtractor::BeginWhole(const image::ColorImage& image) {
+  ReduceToGray(image, 1, kLuma, row_sums_, gray_);
+  ShiftByQuarter(gray_, moved_);
+  whole_.Begin(moved_, 1, kOrigin_px);
+}
+
+void SiftExtractor::BeginDoubled() {
+  DoubleInSize(gray_, moved_);
+  doubled_.Begin(moved_, 0.5, kOrigin_px);
+}
+
+// Appends the features of an octave, up to max_features in all.
+void SiftExtractor::AddOctave(ScaleSpace& space, size_t octave,
+                              const SiftOptions& options,
+                              SiftFeatures& features) {
+  const size_t most = options.max_features > 0
+                          ? static_cast<size_t>(options.max_features)
+                          : SIZE_MAX;
+  space.Complete(octave);
+  extrema_.clear();
+  FindExtrema(space, octave,
+              {.least_contrast = static_cast<float>(options.contrast * 255 /
+                                                    ScaleSpace::kLayers),
+               .max_curvature_ratio = kMaxEdgeRatio},
+              extrema_);
+  std::ranges::sort(extrema_, IsBefore);
+  extrema_.erase(std::unique(extrema_.begin(), extrema_.end(), IsSame),
+                 extrema_.end());
+  for (const ScaleSpaceExtremum& e : extrema_) {
+    const auto layer = static_cast<size_t>(std::lround(e.level));
+    const FloatImage& level = space.octaves()[octave].gaussian[layer];
+    const ImagePlace place{e.x, e.y, space.Sigma(e.level)};
+    const DominantAngles angles = FindLoweAngles(level, place);
+    for (size_t a = 0; a < angles.count; ++a) {
+      if (features.size() == most) return;
+      const float angle_rad = angles.angle_rad[a];
+      features.keypoints.push_back(KeypointOf(space, e, angle_rad));
+      features.descriptors.push_back(DescribeAt(level, place, angle_rad));
+    }
   }
 }
 
-absl::StatusOr<std::vector<SiftDescriptor>> DescribeSift(
+SiftFeatures SiftExtractor::Extract(const image::ColorImage& image,
+                                    const SiftOptions& options) {
+  SiftFeatures features;
+  if (std::min(image.width, image.height) < kMinSize_px) return features;
+  const auto is_full = [&] {
+    return options.max_features > 0 &&
+           features.size() == static_cast<size_t>(options.max_features);
+  };
+  BeginWhole(image);
+  for (size_t o = whole_.octaves().size(); o > 0 && !is_full(); --o) {
+    AddOctave(whole_, o - 1, options, features);
+  }
+  if (!is_full()) {
+    BeginDoubled();
+    AddOctave(doubled_, 0, options, features);
+    doubled_ = ScaleSpace(kDoubled);
+    moved_ = FloatImage();
+  }
+  if (int64_t{1} * image.width * image.height > kMaxKept_px) {
+    *this = SiftExtractor();
+  }
+  return features;
+}
+
+std::vector<SiftDescriptor> SiftExtractor::Describe(
     const image::ColorImage& image, std::span<const SiftKeypoint> keypoints) {
-  try {
-    return DescribeOrThrow(image, keypoints);
-  } catch (const std::exception& error) {
-    return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
+  std::vector<SiftDescriptor> descriptors(keypoints.size());
+  if (keypoints.empty() || std::min(image.width, image.height) < kMinSize_px) {
+    return descriptors;
   }
+  BeginWhole(image);
+  BeginDoubled();
+  for (size_t i = 0; i < keypoints.size(); ++i) {
+    const SiftKeypoint& k = keypoints[i];
+    const auto [octave, layer] = PlaceOfDiameter(
+        k.diameter_px, static_cast<int>(whole_.octaves().size()));
+    const ScaleSpace& space = octave < 0 ? doubled_ : whole_;
+    const size_t o = static_cast<size_t>(std::max(octave, 0));
+    const double pixel = space.pixel() * static_cast<double>(1u << o);
+    const ImagePlace place{
+        .x = space.InOctave(k.pixel.x, o),
+        .y = space.InOctave(k.pixel.y, o),
+        .sigma = k.diameter_px / static_cast<float>(2 * pixel)};
+    descriptors[i] =
+        DescribeAt(space.octaves()[o].gaussian[static_cast<size_t>(layer)],
+                   place, k.angle_deg * kRadPerDeg);
+  }
+  return descriptors;
 }
 
-SiftDescriptor RootSift(std::span<const float> histogram) {
-  float sum = 0;
-  for (const float value : histogram) sum += value;
-  SiftDescriptor descriptor;
-  if (!(sum > 0)) return descriptor;
-  for (size_t i = 0; i < descriptor.values.size(); ++i) {
-    const float root = SiftDescriptor::kScale * std::sqrt(histogram[i] / sum);
-    descriptor.values[i] =
-        static_cast<uint8_t>(std::lround(std::min(root, 255.0F)));
-  }
-  return descriptor;
+SiftFeatures ExtractSift(const image::ColorImage& image,
+                         const SiftOptions& options) {
+  return SiftExtractor().Extract(image, options);
+}
+
+std::vector<SiftDescriptor> DescribeSift(
+    const image::ColorImage& image, std::span<const SiftKeypoint> keypoints) {
+  return SiftExtractor().Describe(image, keypoints);
 }
 
 }  // namespace treeline::features

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "common/base/status_macros.h"
 #include "server/core/features/sift_extractor.h"
 #include "server/core/features/sift_matching.h"
 #include "server/core/keyframes/parameters.h"
@@ -117,9 +116,10 @@ std::vector<size_t> WithMostMatches(const features::SiftFeatures& features,
 
 }  // namespace
 
-absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
-    const image::ColorImage& image, features::SiftKind kind,
-    features::FastSiftOptions fast, features::FastSift& fast_sift) {
+features::SiftFeatures ExtractKeyframeSift(const image::ColorImage& image,
+                                           features::SiftKind kind,
+                                           features::FastSiftOptions fast,
+                                           features::FastSift& fast_sift) {
   if (kind == features::SiftKind::kFast) {
     fast.max_features = std::min<int>(fast.max_features, kMaxFastFeatures);
     return fast_sift.Extract(image, fast);
@@ -129,8 +129,8 @@ absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
   if (std::max(image.width, image.height) < kHalvedSide_px) {
     return features::ExtractSift(image, options);
   }
-  TL_ASSIGN_OR_RETURN(features::SiftFeatures features,
-                      features::ExtractSift(HalfOf(image), options));
+  features::SiftFeatures features =
+      features::ExtractSift(HalfOf(image), options);
   for (features::SiftKeypoint& keypoint : features.keypoints) {
     keypoint.pixel = {2 * keypoint.pixel.x + 0.5, 2 * keypoint.pixel.y + 0.5};
     keypoint.diameter_px *= 2;

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "common/geometry/vector3.h"
 #include "common/image/image.h"
 #include "server/core/features/fast_sift.h"
@@ -17,15 +16,16 @@
 namespace treeline::keyframes {
 
 // Up to max_features SIFT features of an image, at its pixels, to be matched
-// with those of keyframes of the same kind. FastSift's are `options`; OpenCV's
-// heed max_features alone. INTERNAL if OpenCV fails.
+// with those of keyframes of the same kind. FastSift's are `options`; Lowe's
+// heed max_features alone.
 //
-// OpenCV's come with the largest regions first, and of images of 512 pixels and
+// Lowe's come with the largest regions first, and of images of 512 pixels and
 // more a side in half their size: that is four times as fast, and the small
 // features that it misses are the least stable ones.
-absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
-    const image::ColorImage& image, features::SiftKind kind,
-    features::FastSiftOptions options, features::FastSift& fast_sift);
+features::SiftFeatures ExtractKeyframeSift(const image::ColorImage& image,
+                                           features::SiftKind kind,
+                                           features::FastSiftOptions options,
+                                           features::FastSift& fast_sift);
 
 // A pixel of a frame, and the point that a keyframe's feature like it stands
 // on.
@@ -44,7 +44,7 @@ std::vector<KeyframeMatch> MatchKeyframes(
     std::span<const size_t> keyframes, double max_ratio);
 
 // Up to `count` keyframes that share most features with a frame, most first,
-// whatever its pose: by the map's index, or where the features are OpenCV's,
+// whatever its pose: by the map's index, or where the features are Lowe's,
 // by matching the largest with those of all keyframes.
 std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
                                          const KeyframeMap& map, size_t count,

@@ -77,7 +77,7 @@ class KeyframeMap {
                              first_feature_[i + 1] - first_feature_[i]);
   }
 
-  // Over FastSift's features; empty where they are OpenCV's.
+  // Over FastSift's features; empty where they are Lowe's.
   const KeyframeIndex& index() const { return index_; }
 
   // Up to `count` keyframes near a pose, nearest first: by

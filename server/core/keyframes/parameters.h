@@ -190,7 +190,7 @@ inline constexpr base::Parameter<double> kSiftContrast{
     .value = 0.02,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
-    .why = "OpenCV's contrast threshold"};
+    .why = "least contrast of Lowe's features, as SiftOptions has it"};
 inline constexpr base::Parameter<int> kMaxFastFeatures{
     .name = "max_fast_features",
     .value = 800,

@@ -39,12 +39,12 @@ absl::StatusOr<size_t> KeyframeSource::Observe(
     Query& query, std::span<const Candidate> earlier,
     RayObservations& seen) const {
   const StageTimer timer(query.timings().features_ms);
-  TL_ASSIGN_OR_RETURN(const features::SiftFeatures* const features,
-                      query.keyframe_features(map_->sift_kind()));
+  const features::SiftFeatures& features =
+      query.keyframe_features(map_->sift_kind());
   pose::RayPredictions& scene = seen.scene;
   const double variance = kKeyframePointSigma_m * kKeyframePointSigma_m;
   for (const keyframes::KeyframeMatch& match : keyframes::MatchKeyframes(
-           *features, *map_, Choose(query, *features, earlier),
+           features, *map_, Choose(query, features, earlier),
            kMaxKeyframeRatio)) {
     const std::optional<camera::Pixel> ray =
         query.camera().Unproject(match.pixel);

@@ -84,7 +84,7 @@ inline constexpr base::Parameter<int> kMaxQueryFeatures{
     .value = 1000,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
-    .why = "OpenCV's features taken from a frame for it, the largest"};
+    .why = "Lowe's features taken from a frame for it, the largest"};
 inline constexpr base::Parameter<int> kMaxFastQueryFeatures{
     .name = "max_fast_query_features",
     .value = 500,

@@ -88,19 +88,17 @@ const features::GrayPyramid& Query::pyramid() {
   return scratch_.pyramid;
 }
 
-absl::StatusOr<const features::SiftFeatures*> Query::keyframe_features(
+const features::SiftFeatures& Query::keyframe_features(
     features::SiftKind kind) {
   if (!keyframe_features_) {
     const int count = kind == features::SiftKind::kFast ? kMaxFastQueryFeatures
                                                         : kMaxQueryFeatures;
-    TL_ASSIGN_OR_RETURN(
-        keyframe_features_,
-        keyframes::ExtractKeyframeSift(
-            color(), kind,
-            {.max_features = count, .least_reduction = feature_reduction_},
-            scratch_.fast_sift));
+    keyframe_features_ = keyframes::ExtractKeyframeSift(
+        color(), kind,
+        {.max_features = count, .least_reduction = feature_reduction_},
+        scratch_.fast_sift);
   }
-  return &*keyframe_features_;
+  return *keyframe_features_;
 }
 
 }  // namespace treeline::localizer

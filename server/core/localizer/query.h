@@ -17,6 +17,7 @@
 #include "server/core/features/line_segments.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"
+#include "server/core/features/sift_extractor.h"
 #include "server/core/features/sift_features.h"
 #include "server/core/forest/backtracking.h"
 #include "server/core/forest/model_info.h"
@@ -41,6 +42,7 @@ struct QueryScratch {
   features::LinePoints line_points;  // those sampled
   std::vector<features::WhtDescriptor> descriptors;
   features::FastSift fast_sift;
+  features::SiftExtractor sift;
   forest::BacktrackingScratch backtracking;
   std::vector<forest::LeafMatch> matches;
 };
@@ -95,8 +97,7 @@ class Query {
   const features::PlanarImage& image();
   const features::GrayPyramid& pyramid();
   // As keyframes store them; see ExtractKeyframeSift. Of one kind a query.
-  absl::StatusOr<const features::SiftFeatures*> keyframe_features(
-      features::SiftKind kind);
+  const features::SiftFeatures& keyframe_features(features::SiftKind kind);
 
   QueryScratch& scratch() { return scratch_; }
   LocalizeTimings& timings() { return timings_; }

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "common/base/status_macros.h"
-#include "server/core/features/sift_extractor.h"
 #include "server/core/pose/ray_refinement.h"
 
 namespace treeline::localizer {
@@ -48,9 +47,8 @@ absl::StatusOr<size_t> SiftSource::Observe(
   features::SiftFeatures features;
   {
     const StageTimer timer(query.timings().sample_ms);
-    TL_ASSIGN_OR_RETURN(
-        features, features::ExtractSift(query.color(),
-                                        {.max_features = options_.features}));
+    features = query.scratch().sift.Extract(
+        query.color(), {.max_features = options_.features});
   }
   const StageTimer timer(query.timings().forest_ms);
   std::vector<forest::SiftMatch> matches(features.size());

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "common/base/parallel_for.h"
-#include "opencv2/imgproc.hpp"
+#include "server/core/features/float_image.h"
+#include "server/core/features/gaussian_blur.h"
 
 namespace treeline::training {
 namespace {
@@ -15,37 +16,47 @@ constexpr double kEdgeJump = 0.08;
 // Far edges are blunt and few pixels wide.
 constexpr double kMaxEdgeDepth_m = 4;
 
-// Borders repeated.
-void Blur(std::vector<float>& image, int width, int height, double sigma_px) {
-  const int size = 2 * static_cast<int>(std::ceil(3 * sigma_px)) + 1;
-  cv::Mat pixels(height, width, CV_32F, image.data());
-  cv::GaussianBlur(pixels, pixels, cv::Size(size, size), sigma_px, sigma_px,
-                   cv::BORDER_REPLICATE);
+// Standard deviations at which blurs are cut off.
+constexpr float kReach = 3;
+
+features::FloatImage Blurred(const features::FloatImage& image,
+                             double sigma_px) {
+  features::FloatImage blurred;
+  blurred.Resize(image.width(), image.height());
+  std::vector<float> row;
+  features::GaussianBlur(static_cast<float>(sigma_px), kReach)
+      .Rows(image, 0, image.height(), blurred, row);
+  return blurred;
 }
 
 // Gradient magnitude of the grey image, capped, blurred, scaled to mean 1.
 std::vector<float> EdgeStrength(const image::ColorImage& image,
                                 double smoothing_px) {
+  features::FloatImage gray;
+  std::vector<uint16_t> row_sums;
+  features::ReduceToGray(image, 1, features::kLuma, row_sums, gray);
+  gray = Blurred(gray, 1.0);
   const int w = image.width;
   const int h = image.height;
-  const size_t stride = static_cast<size_t>(w);
-  std::vector<float> grey(stride * static_cast<size_t>(h));
-  for (size_t i = 0; i < grey.size(); ++i) {
-    grey[i] = 0.299f * image.rgb[3 * i] + 0.587f * image.rgb[3 * i + 1] +
-              0.114f * image.rgb[3 * i + 2];
-  }
-  Blur(grey, w, h, 1.0);
-  std::vector<float> strength(grey.size(), 0);
-  for (int y = 1; y + 1 < h; ++y) {
+  features::FloatImage edges;
+  edges.Resize(w, h);
+  for (int y = 0; y < h; ++y) {
+    float* out = edges.row(y);
+    std::fill_n(out, w, 0.0F);
+    if (y == 0 || y + 1 == h) continue;
     for (int x = 1; x + 1 < w; ++x) {
-      const size_t i = static_cast<size_t>(y) * stride + static_cast<size_t>(x);
-      const float dx = grey[i + 1] - grey[i - 1];
-      const float dy = grey[i + stride] - grey[i - stride];
+      const float dx = gray.row(y)[x + 1] - gray.row(y)[x - 1];
+      const float dy = gray.row(y + 1)[x] - gray.row(y - 1)[x];
       // Texture as strong as an occlusion must not outvote it.
-      strength[i] = std::min(30.0f, std::sqrt(dx * dx + dy * dy));
+      out[x] = std::min(30.0f, std::sqrt(dx * dx + dy * dy));
     }
   }
-  Blur(strength, w, h, smoothing_px);
+  edges = Blurred(edges, smoothing_px);
+  std::vector<float> strength;
+  strength.reserve(static_cast<size_t>(w) * static_cast<size_t>(h));
+  for (int y = 0; y < h; ++y) {
+    strength.insert(strength.end(), edges.row(y), edges.row(y) + w);
+  }
   double sum = 0;
   for (float s : strength) sum += static_cast<double>(s);
   const float scale =

@@ -146,7 +146,7 @@ std::vector<keyframes::KeyframePoint> SelectPoints(
 }
 
 // The SIFT features that stand where depth was measured.
-absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
+std::vector<keyframes::KeyframeFeature> SelectFeatures(
     const image::Frame& frame, const geometry::Rigid3& world_from_color,
     const image::DepthRegistrar& registration,
     const std::vector<geometry::Vec3>& in_color, features::SiftKind kind,
@@ -155,10 +155,8 @@ absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
   if (count == 0) return features;
   features::FastSift fast_sift;
   // Some stand where no depth is.
-  TL_ASSIGN_OR_RETURN(
-      const features::SiftFeatures found,
-      keyframes::ExtractKeyframeSift(frame.color, kind,
-                                     {.max_features = 2 * count}, fast_sift));
+  const features::SiftFeatures found = keyframes::ExtractKeyframeSift(
+      frame.color, kind, {.max_features = 2 * count}, fast_sift);
   for (size_t i = 0; i < found.size(); ++i) {
     if (features.size() == static_cast<size_t>(count)) break;
     const std::optional<geometry::Vec3> point =
@@ -188,18 +186,18 @@ bool AreApart(const geometry::Rigid3& world_from_a,
          spacing_m * spacing_m;
 }
 
-absl::StatusOr<KeyframeParts> MakeKeyframe(
-    const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistrar& registration, const KeyframeOptions& options) {
+KeyframeParts MakeKeyframe(const image::Frame& frame,
+                           const geometry::Rigid3& world_from_color,
+                           const image::DepthRegistrar& registration,
+                           const KeyframeOptions& options) {
   const std::vector<geometry::Vec3> in_color =
       registration.PointsInColor(*frame.depth);
   KeyframeParts parts;
   parts.world_from_color = world_from_color;
   parts.points = SelectPoints(frame, world_from_color, registration, in_color,
                               options.points);
-  TL_ASSIGN_OR_RETURN(parts.features,
-                      SelectFeatures(frame, world_from_color, registration,
-                                     in_color, options.sift, options.features));
+  parts.features = SelectFeatures(frame, world_from_color, registration,
+                                  in_color, options.sift, options.features);
   return parts;
 }
 
@@ -237,10 +235,8 @@ absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
   const auto make = [&](size_t i) -> absl::Status {
     TL_ASSIGN_OR_RETURN(const image::Frame frame,
                         dataset.Load(selected[i].frame));
-    TL_ASSIGN_OR_RETURN(KeyframeParts made,
-                        MakeKeyframe(frame, selected[i].world_from_color,
-                                     registration, options));
-    parts[i] = std::make_shared<const KeyframeParts>(std::move(made));
+    parts[i] = std::make_shared<const KeyframeParts>(MakeKeyframe(
+        frame, selected[i].world_from_color, registration, options));
     return absl::OkStatus();
   };
   {

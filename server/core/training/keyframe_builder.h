@@ -39,10 +39,11 @@ struct KeyframeParts {
   std::vector<keyframes::KeyframeFeature> features;
 };
 
-// Of a frame with depth. INTERNAL if OpenCV's SIFT fails.
-absl::StatusOr<KeyframeParts> MakeKeyframe(
-    const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistrar& registration, const KeyframeOptions& options);
+// Of a frame with depth.
+KeyframeParts MakeKeyframe(const image::Frame& frame,
+                           const geometry::Rigid3& world_from_color,
+                           const image::DepthRegistrar& registration,
+                           const KeyframeOptions& options);
 
 // Whether the views are further apart than KeyframeOptions::spacing_m.
 bool AreApart(const geometry::Rigid3& world_from_a,

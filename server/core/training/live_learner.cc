@@ -155,10 +155,8 @@ absl::StatusOr<LiveLearner::Prepared> LiveLearner::Prepare(
       world_from_sensor, geometry_.calibration().pose_sensor,
       camera::RgbdSensor::kColor, geometry_.calibration());
   if (IsNewView(world_from_color)) {
-    TL_ASSIGN_OR_RETURN(KeyframeParts parts,
-                        MakeKeyframe(frame, world_from_color, registration_,
-                                     keyframe_options_));
-    prepared.keyframe = std::make_shared<const KeyframeParts>(std::move(parts));
+    prepared.keyframe = std::make_shared<const KeyframeParts>(MakeKeyframe(
+        frame, world_from_color, registration_, keyframe_options_));
   }
   return prepared;
 }

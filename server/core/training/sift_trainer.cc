@@ -144,18 +144,13 @@ class SiftTrainer {
 
   absl::Status ReadImage(int frame, SiftSamples& samples) const {
     TL_ASSIGN_OR_RETURN(const image::Frame loaded, dataset_.Load(frame));
-    const absl::StatusOr<features::SiftFeatures> features =
+    const features::SiftFeatures features =
         features::ExtractSift(loaded.color, options_.features);
-    if (!features.ok()) {
-      return base::Annotate(features.status(),
-                            dataset_.frame(frame).color_path);
-    }
-    const std::vector<int32_t> points =
-        LabelFeatures(features->keypoints, ImageOf(frame).keypoints,
-                      options_.label_radius_px);
+    const std::vector<int32_t> points = LabelFeatures(
+        features.keypoints, ImageOf(frame).keypoints, options_.label_radius_px);
     for (size_t i = 0; i < points.size(); ++i) {
       if (points[i] < 0 || !is_near_[static_cast<size_t>(points[i])]) continue;
-      samples.descriptor.push_back(features->descriptors[i]);
+      samples.descriptor.push_back(features.descriptors[i]);
       samples.point.push_back(points[i]);
     }
     return absl::OkStatus();

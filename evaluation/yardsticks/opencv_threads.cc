@@ -1,8 +1,8 @@
-#include "server/core/features/opencv_threads.h"
+#include "evaluation/yardsticks/opencv_threads.h"
 
 #include "opencv2/core.hpp"
 
-namespace treeline::features {
+namespace treeline::yardsticks {
 
 void RunOpenCvOnCallingThread() {
   static const bool is_set = [] {
@@ -12,4 +12,4 @@ void RunOpenCvOnCallingThread() {
   static_cast<void>(is_set);
 }
 
-}  // namespace treeline::features
+}  // namespace treeline::yardsticks
