@@ -15,8 +15,8 @@ import sys
 
 import demo_table
 
-MOST_APART_M = 0.002
-MOST_APART_DEG = 0.1
+MOST_APART_M = 1e-4
+MOST_APART_DEG = 0.01
 # So many in a hundred may have another outcome or a pose beyond the bounds: of
 # two equally good hypotheses, rounding chooses.
 MOST_OTHERS_PERCENT = 2
