@@ -4,6 +4,14 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_package(absl REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(hwy REQUIRED)
+# On Arm, NEON and nothing else, called without a choice at run time. With one,
+# Highway compiles kernels for SVE, too, whose vectors cannot be members, and marks
+# those for NEON as in need of cryptographic instructions, which structs of vectors
+# do not get along with, and a Raspberry Pi 4 does not have.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  set_property(TARGET hwy::hwy APPEND PROPERTY
+    INTERFACE_COMPILE_DEFINITIONS TOOLCHAIN_MISS_SYS_AUXV_H)
+endif()
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 find_package(Protobuf REQUIRED)

@@ -4,35 +4,16 @@
 #include <sys/utsname.h>
 
 #include <cstdlib>
-#include <fstream>
 
-#include "absl/strings/ascii.h"
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/parallel_for.h"
+#include "common/base/processor_name.h"
 #include "common/base/version.h"
 
 namespace treeline::bench {
-namespace {
-
-std::string CpuModel() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string line;
-  while (std::getline(file, line)) {
-    const size_t colon = line.find(':');
-    if (colon != std::string::npos && absl::StartsWith(line, "model name")) {
-      const absl::string_view model =
-          absl::StripAsciiWhitespace(absl::string_view(line).substr(colon + 1));
-      return {model.data(), model.size()};
-    }
-  }
-  return "";
-}
-
-}  // namespace
 
 MachineFacts DescribeMachine() {
-  MachineFacts facts{.cpu_model = CpuModel(),
+  MachineFacts facts{.cpu_model = base::ProcessorName(),
                      .cores = base::HardwareThreads(),
                      .system = {},
                      .client_version = base::Version(),

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
 #include "nav_agent/localization/testing_map.h"
 
@@ -28,40 +29,42 @@ TEST(LikelihoodField, IsTheEquationOfTheDistance) {
 }
 
 TEST(LikelihoodField, SumsAreThoseOfSinglePoints) {
-  const core::OccupancyGrid map = TestingMap();
-  const LikelihoodField field = *LikelihoodField::Create(map, {});
-  base::Random random(3, 1);
-  // Numbers of points that do and do not fill SIMD registers, and poses that
-  // look out of the map.
-  for (const size_t count : {0u, 1u, 7u, 8u, 60u, 61u}) {
-    ScanPoints points;
-    for (size_t i = 0; i < count; ++i) {
-      points.x_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
-      points.y_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
+  base::WithEachVectorTarget([&] {
+    const core::OccupancyGrid map = TestingMap();
+    const LikelihoodField field = *LikelihoodField::Create(map, {});
+    base::Random random(3, 1);
+    // Numbers of points that do and do not fill SIMD registers, and poses that
+    // look out of the map.
+    for (const size_t count : {0u, 1u, 7u, 8u, 60u, 61u}) {
+      ScanPoints points;
+      for (size_t i = 0; i < count; ++i) {
+        points.x_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
+        points.y_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
+      }
+      constexpr size_t kPoses = 50;
+      PoseArrays poses;
+      poses.Resize(kPoses);
+      std::vector<geometry::Rigid2> map_from_base;
+      for (size_t i = 0; i < kPoses; ++i) {
+        map_from_base.push_back(
+            {{random.NextUniform(-5, 12), random.NextUniform(-5, 12)},
+             random.NextUniform(-3, 3)});
+        poses.Set(i, map_from_base.back());
+      }
+      std::vector<float> sums(kPoses);
+      field.SumLogLikelihoods(points, poses, sums);
+      int different = 0;
+      for (size_t i = 0; i < kPoses; ++i) {
+        std::vector<float> logs(count);
+        field.LogLikelihoods(points, map_from_base[i], logs);
+        double sum = 0;
+        for (const float log : logs) sum += log;
+        // A point within rounding of a cell's side may be on either of them.
+        different += std::abs(sums[i] - sum) > 1e-3 ? 1 : 0;
+      }
+      EXPECT_LE(different, 2) << count << " points";
     }
-    constexpr size_t kPoses = 50;
-    PoseArrays poses;
-    poses.Resize(kPoses);
-    std::vector<geometry::Rigid2> map_from_base;
-    for (size_t i = 0; i < kPoses; ++i) {
-      map_from_base.push_back(
-          {{random.NextUniform(-5, 12), random.NextUniform(-5, 12)},
-           random.NextUniform(-3, 3)});
-      poses.Set(i, map_from_base.back());
-    }
-    std::vector<float> sums(kPoses);
-    field.SumLogLikelihoods(points, poses, sums);
-    int different = 0;
-    for (size_t i = 0; i < kPoses; ++i) {
-      std::vector<float> logs(count);
-      field.LogLikelihoods(points, map_from_base[i], logs);
-      double sum = 0;
-      for (const float log : logs) sum += log;
-      // A point within rounding of a cell's side may be on either of them.
-      different += std::abs(sums[i] - sum) > 1e-3 ? 1 : 0;
-    }
-    EXPECT_LE(different, 2) << count << " points";
-  }
+  });
 }
 
 TEST(PointsOf, ChoosesEvenlyAmongBeamsThatEnd) {

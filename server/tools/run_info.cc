@@ -16,6 +16,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "common/base/parallel_for.h"
+#include "common/base/processor_name.h"
 
 namespace treeline::tools {
 
@@ -41,16 +42,8 @@ std::string CommandLine() {
 }
 
 std::string CpuDescription() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string name = "unknown processor";
-  for (std::string line; std::getline(file, line);) {
-    if (!absl::StartsWith(line, "model name")) continue;
-    const size_t colon = line.find(':');
-    if (colon == std::string::npos) continue;
-    name = std::string(
-        absl::StripAsciiWhitespace(absl::string_view(line).substr(colon + 1)));
-    break;
-  }
+  std::string name = base::ProcessorName();
+  if (name.empty()) name = "unknown processor";
   const int processors = base::HardwareThreads();
   return absl::StrCat(name, ", ", processors,
                       processors == 1 ? " processor" : " processors");

@@ -11,6 +11,7 @@
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/keyframe_builder.h"
+#include "tests/pipeline/same_answers.h"
 
 namespace treeline {
 namespace {
@@ -163,6 +164,12 @@ TEST_F(HybridLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
   for (const geometry::Rigid3& pose : poses) {
     EXPECT_EQ(pose, first->world_from_camera);
   }
+}
+
+TEST_F(HybridLocalizerTest, AllVectorInstructionsGiveTheSameAnswers) {
+  std::vector<image::Frame> frames;
+  for (int i = 0; i < 10; ++i) frames.push_back(ColorAt(HeldOutPose(2 * i)));
+  ExpectSameAnswers(*localizer_, frames);
 }
 
 TEST_F(HybridLocalizerTest, ExplainsItselfOnRequest) {

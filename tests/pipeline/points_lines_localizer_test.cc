@@ -12,6 +12,7 @@
 #include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/scene_trainer.h"
+#include "tests/pipeline/same_answers.h"
 
 namespace treeline {
 namespace {
@@ -129,6 +130,12 @@ TEST_F(PointsLinesLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
   for (const geometry::Rigid3& pose : poses) {
     EXPECT_EQ(pose, first->world_from_camera);
   }
+}
+
+TEST_F(PointsLinesLocalizerTest, AllVectorInstructionsGiveTheSameAnswers) {
+  std::vector<image::Frame> frames;
+  for (int i = 0; i < 10; ++i) frames.push_back(HeldOutFrame(3 * i));
+  ExpectSameAnswers(*localizer_, frames);
 }
 
 TEST_F(PointsLinesLocalizerTest, TheModelDoesNotDependOnTheNumberOfThreads) {

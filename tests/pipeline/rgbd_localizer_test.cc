@@ -11,6 +11,7 @@
 #include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/forest_trainer.h"
+#include "tests/pipeline/same_answers.h"
 
 namespace treeline {
 namespace {
@@ -112,6 +113,15 @@ TEST_F(RgbdLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
   options.seed = 6;
   EXPECT_NE(localizer_->Localize(frame, options)->world_from_camera,
             first->world_from_camera);
+}
+
+TEST_F(RgbdLocalizerTest, AllVectorInstructionsGiveTheSameAnswers) {
+  std::vector<image::Frame> frames;
+  for (int i = 0; i < 20; ++i) {
+    frames.push_back(
+        training::RenderBoxRoom(Calibration(), HeldOutPose(3 * i)));
+  }
+  ExpectSameAnswers(*localizer_, frames);
 }
 
 TEST_F(RgbdLocalizerTest, TheQuestionSaysHowSureAnAnswerMustBe) {

@@ -21,6 +21,7 @@
 #include "server/core/localizer/localizer.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/core/training/sift_trainer.h"
+#include "tests/pipeline/same_answers.h"
 
 namespace treeline {
 namespace {
@@ -237,6 +238,21 @@ TEST_F(SiftLocalizerTest, FindsAnotherCameraOfAnotherSizeAndModel) {
   EXPECT_EQ(inliers, estimate->inliers);
   const auto again = localizer_->Localize(frame, {});
   EXPECT_EQ(again->world_from_camera, estimate->world_from_camera);
+}
+
+TEST_F(SiftLocalizerTest, AllVectorInstructionsGiveTheSameAnswers) {
+  const camera::Camera camera =
+      camera::Camera::Parse("PINHOLE,280,280,159.5,119.5", 320, 240).value();
+  std::vector<image::Frame> frames(8);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const double turn_rad = 0.14 + 0.05 * static_cast<double>(i);
+    const geometry::Rigid3 pose{
+        geometry::Rotation3::FromAxisAngle({0.03, turn_rad, -0.06}),
+        {-0.1, 0.08, 0.05}};
+    frames[i].color = Render(*corner_, camera, pose);
+    frames[i].calibration.emplace().color = camera;
+  }
+  ExpectSameAnswers(*localizer_, frames);
 }
 
 TEST_F(SiftLocalizerTest, EvaluationTakesEachFramesCameraAndSceneUnits) {

@@ -11,6 +11,9 @@ beta-dev   # why, too
 
 [tools]
 gamma-14   # only to develop
+
+[arm64]
+delta-arm  # only for another machine
 """
 
 
@@ -65,6 +68,13 @@ class InstallDepsTest(ScriptTest):
         done = self.install("--tools")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(self.apt_calls(), r"install .* gamma-14\n")
+
+    def test_the_other_machines_packages_are_asked_for(self):
+        self.installed("alpha", "beta-dev")
+        done = self.install("--arm64")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(self.apt_calls(), r"install .* delta-arm\n")
+        self.assertNotIn("gamma-14", self.apt_calls())
 
     def test_check_names_what_is_missing_and_installs_nothing(self):
         done = self.install("--check")

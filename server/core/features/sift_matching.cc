@@ -112,11 +112,13 @@ HWY_INLINE void Dots(const QueryBlock& queries, const Tile& tile,
               : "v"(words.raw), "v"(query.raw));
     }
   }
-#elif HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
-  // On x86 these sums are of neighbours.
+#elif HWY_TARGET != HWY_SCALAR
+  // Two sums a lane, of which products is each target's own; together they are
+  // of neighbours.
   const hn::Repartition<int16_t, D> d16;
   const V low = hn::Set(d, 0x00ff00ff);
-  V unused = hn::Zero(d);
+  V others[kQueries];
+  for (V& other : others) other = hn::Zero(d);
   for (size_t w = 0; w < kWords; ++w) {
     const V words = hn::Load(d, tile.words + w * hn::Lanes(d));
     const auto even = hn::BitCast(d16, hn::And(words, low));
@@ -126,10 +128,13 @@ HWY_INLINE void Dots(const QueryBlock& queries, const Tile& tile,
         return hn::BitCast(d16, hn::Set(d, pair));
       };
       dots[q] = hn::ReorderWidenMulAccumulate(d, even, of(queries.even[q][w]),
-                                              dots[q], unused);
+                                              dots[q], others[q]);
       dots[q] = hn::ReorderWidenMulAccumulate(d, odd, of(queries.odd[q][w]),
-                                              dots[q], unused);
+                                              dots[q], others[q]);
     }
+  }
+  for (size_t q = 0; q < kQueries; ++q) {
+    dots[q] = hn::RearrangeToOddPlusEven(dots[q], others[q]);
   }
 #else
   const size_t lanes = hn::Lanes(d);

@@ -13,6 +13,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 // top left pixel is at `patch`. Eight adjacent bytes are added by one SAD
 // instruction, so a patch costs 64 loads of 64 bytes.
 void SumBlocks(const uint8_t* patch, size_t stride, uint64_t* sums) {
+#if HWY_TARGET == HWY_SCALAR
+  // There is nothing that adds eight bytes.
+  for (size_t block = 0; block < 64; ++block) {
+    const uint8_t* const corner = patch + 8 * (block / 8 * stride + block % 8);
+    sums[block] = 0;
+    for (size_t y = 0; y < 8; ++y) {
+      for (size_t x = 0; x < 8; ++x) sums[block] += corner[y * stride + x];
+    }
+  }
+#else
   const hn::CappedTag<uint8_t, 64> d8;
   const hn::Repartition<uint64_t, decltype(d8)> d64;
   const size_t step = hn::Lanes(d8);
@@ -26,6 +36,7 @@ void SumBlocks(const uint8_t* patch, size_t stride, uint64_t* sums) {
       hn::StoreU(total, d64, sums + 8 * row + x / 8);
     }
   }
+#endif
 }
 
 int32_t SquaredDistance64(const int8_t* a, const int8_t* b) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -72,17 +73,19 @@ TEST(WalshHadamardTest, EqualsItsDefinition) {
   const std::vector<int32_t> x = {32, 65, 40};
   const std::vector<int32_t> y = {32, 48, 41};
   std::vector<WhtDescriptor> descriptors(x.size());
-  ComputeWht(PlanarImage(image), x, y, descriptors);
-  for (size_t s = 0; s < x.size(); ++s) {
-    for (size_t c = 0; c < 3; ++c) {
-      for (size_t k = 0; k < kWhtOrder.size(); ++k) {
-        EXPECT_EQ(
-            descriptors[s].values[c * 20 + k],
-            Projection(image, x[s], y[s], static_cast<int>(c), kWhtOrder[k]))
-            << "sample " << s << ", channel " << c << ", kernel " << k;
+  base::WithEachVectorTarget([&] {
+    ComputeWht(PlanarImage(image), x, y, descriptors);
+    for (size_t s = 0; s < x.size(); ++s) {
+      for (size_t c = 0; c < 3; ++c) {
+        for (size_t k = 0; k < kWhtOrder.size(); ++k) {
+          EXPECT_EQ(
+              descriptors[s].values[c * 20 + k],
+              Projection(image, x[s], y[s], static_cast<int>(c), kWhtOrder[k]))
+              << "sample " << s << ", channel " << c << ", kernel " << k;
+        }
       }
     }
-  }
+  });
 }
 
 TEST(WalshHadamardTest, SaturatesInsteadOfWrapping) {
@@ -120,8 +123,10 @@ TEST(WalshHadamardTest, SquaredDistanceIsExact) {
         static_cast<int8_t>(static_cast<int>(random.NextBelow(255)) - 127);
     expected += (a.values[i] - b.values[i]) * (a.values[i] - b.values[i]);
   }
-  EXPECT_EQ(SquaredDistance(a, b), expected);
-  EXPECT_EQ(SquaredDistance(a, a), 0);
+  base::WithEachVectorTarget([&] {
+    EXPECT_EQ(SquaredDistance(a, b), expected);
+    EXPECT_EQ(SquaredDistance(a, a), 0);
+  });
 }
 
 TEST(PatchInsideTest, TouchesEveryBorderExactly) {

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -98,21 +99,23 @@ TEST_P(VisitLeavesTest, VisitsWhatAlgorithm3Visits) {
   const int n_max = GetParam();
   base::Random random(5, static_cast<uint64_t>(n_max));
   const features::PlanarImage image(RandomImage(80, 60, 6));
-  for (int leaves : {1, 2, 3, 7, 50, 400}) {
-    const std::vector<Node> tree = RandomTree(leaves, 0, random);
-    // More samples than lanes of any machine, and not a multiple of them.
-    const Samples samples = RandomSamples(101, 80, 60, random);
-    std::vector<uint32_t> visited(101 * static_cast<size_t>(n_max), 12345);
-    VisitLeaves(tree, image, samples.View(), n_max, visited);
-    for (size_t i = 0; i < 101; ++i) {
-      const auto begin =
-          visited.begin() + static_cast<std::ptrdiff_t>(i) * n_max;
-      EXPECT_EQ(std::vector<uint32_t>(begin, begin + n_max),
-                Algorithm3(tree, image, samples.x[i], samples.y[i],
-                           samples.inverse_depth[i], n_max))
-          << leaves << " leaves, sample " << i;
+  base::WithEachVectorTarget([&] {
+    for (int leaves : {1, 2, 3, 7, 50, 400}) {
+      const std::vector<Node> tree = RandomTree(leaves, 0, random);
+      // More samples than lanes of any machine, and not a multiple of them.
+      const Samples samples = RandomSamples(101, 80, 60, random);
+      std::vector<uint32_t> visited(101 * static_cast<size_t>(n_max), 12345);
+      VisitLeaves(tree, image, samples.View(), n_max, visited);
+      for (size_t i = 0; i < 101; ++i) {
+        const auto begin =
+            visited.begin() + static_cast<std::ptrdiff_t>(i) * n_max;
+        EXPECT_EQ(std::vector<uint32_t>(begin, begin + n_max),
+                  Algorithm3(tree, image, samples.x[i], samples.y[i],
+                             samples.inverse_depth[i], n_max))
+            << leaves << " leaves, sample " << i;
+      }
     }
-  }
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(UpToTheLimit, VisitLeavesTest,

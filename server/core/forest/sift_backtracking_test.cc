@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/random.h"
+#include "common/base/testing_vector_targets.h"
 #include "gtest/gtest.h"
 
 namespace treeline::forest {
@@ -97,12 +98,14 @@ TEST(SiftBacktrackingTest, DistancesAreExact) {
   features::SiftDescriptor zero;
   features::SiftDescriptor full;
   full.values.fill(255);
-  EXPECT_EQ(SquaredDistance(zero, full), 128 * 255 * 255);
-  for (int i = 0; i < 100; ++i) {
-    const features::SiftDescriptor a = RandomDescriptor(random);
-    const features::SiftDescriptor b = RandomDescriptor(random);
-    EXPECT_EQ(SquaredDistance(a, b), ReferenceDistance(a, b));
-  }
+  base::WithEachVectorTarget([&] {
+    EXPECT_EQ(SquaredDistance(zero, full), 128 * 255 * 255);
+    for (int i = 0; i < 100; ++i) {
+      const features::SiftDescriptor a = RandomDescriptor(random);
+      const features::SiftDescriptor b = RandomDescriptor(random);
+      EXPECT_EQ(SquaredDistance(a, b), ReferenceDistance(a, b));
+    }
+  });
 }
 
 TEST(SiftBacktrackingTest, VisitsTheLeavesOfAlgorithm3InItsOrder) {
