@@ -39,6 +39,10 @@ class NavigatorOfParts final : public Navigator {
   absl::Status Drive(const core::VelocityCommand& wanted) override;
   absl::Status Steer(const SteeringCommand& steering) override;
   absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
+  void SetKnownThings(
+      std::shared_ptr<const localization::KnownThings> things) override {
+    parts_.tracker->SetKnownThings(std::move(things));
+  }
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -557,12 +561,16 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.bubbles = parts_.controller->Bubbles();
   shot.blockages = runner_.blockages().All();
   if (last_scan_.has_value()) {
+    shot.scan_in_base =
+        ScanEndsInMap(*last_scan_, devices_.laser.Info(),
+                      robot_.base_from_laser, geometry::Rigid2(), 1, false);
     const std::optional<localization::TrackedPose> pose =
         parts_.tracker->PoseAt(last_scan_->stamp);
     if (pose.has_value()) {
-      shot.scan_in_map = ScanEndsInMap(*last_scan_, devices_.laser.Info(),
-                                       robot_.base_from_laser,
-                                       pose->pose.map_from_base, 1, false);
+      shot.scan_in_map = shot.scan_in_base;
+      for (geometry::Vec2& end : shot.scan_in_map) {
+        end = pose->pose.map_from_base * end;
+      }
     }
   }
   shot.particles = parts_.tracker->Particles(kShownParticles);

@@ -58,6 +58,7 @@ class DockDesk {
     FollowBook();
     keeper_.Step(navigator, pilot_, runner, now, battery);
     pilot_.Step(navigator, now, battery);
+    KeepLearned();
   }
   DockReport Report() const {
     return {.docking = pilot_.status(),
@@ -73,6 +74,18 @@ class DockDesk {
   }
 
  private:
+  // What is seen from a dock is part of it.
+  void KeepLearned() {
+    const std::optional<docking::Dock> learned = pilot_.TakeLearned();
+    if (!learned.has_value()) return;
+    // Somebody may have moved or removed it just now; what cannot be kept for
+    // a restart is looked at again then.
+    const absl::StatusOr<docking::Dock> kept = book_->Find(learned->name);
+    if (kept.ok() && docking::IsSamePlace(*kept, *learned)) {
+      book_->Put({*learned}).IgnoreError();
+    }
+  }
+
   std::unique_ptr<DockBook> book_;
   docking::DockPilot pilot_;
   docking::ChargeKeeper keeper_;

@@ -66,6 +66,11 @@ absl::StatusOr<v1::PutDocksResponse> DockingCalls::PutDocks(
     docks.front().level = robot.place.level;
   }
   DockBook& book = commands_.docks().book();
+  // What was seen from one that stays where it is, is seen from it still.
+  for (docking::Dock& dock : docks) {
+    const absl::StatusOr<docking::Dock> kept = book.Find(dock.name);
+    if (kept.ok() && docking::IsSamePlace(*kept, dock)) dock.view = kept->view;
+  }
   TL_ASSIGN_OR_RETURN(const KeptContents<docking::Dock> contents,
                       book.Put(docks));
   v1::PutDocksResponse response;
