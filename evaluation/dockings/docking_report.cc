@@ -57,8 +57,9 @@ std::string Row(const std::string& name, const Tally& tally) {
       100 * Quantile(tally.off_m, 0.95), 100 * Quantile(tally.off_m, 1),
       InDegrees(Quantile(tally.turned_rad, 0.5)),
       InDegrees(Quantile(tally.turned_rad, 1)),
-      100 * Quantile(tally.estimate_m, 0.5), 100 * Quantile(tally.estimate_m, 1),
-      tally.tries, tally.collisions, tally.losses);
+      100 * Quantile(tally.estimate_m, 0.5),
+      100 * Quantile(tally.estimate_m, 1), tally.tries, tally.collisions,
+      tally.losses);
 }
 
 std::string RunJson(const DockingRun& run) {

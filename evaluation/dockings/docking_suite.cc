@@ -75,9 +75,8 @@ absl::StatusOr<Scene> SceneOf(const std::string& name) {
 
 simulator::RobotPlacement Ahead(const simulator::RobotPlacement& from,
                                 double x_m, double y_m) {
-  const geometry::Rigid2 at =
-      geometry::Rigid2{from.position, from.yaw_rad} *
-      geometry::Rigid2{{x_m, y_m}, 0};
+  const geometry::Rigid2 at = geometry::Rigid2{from.position, from.yaw_rad} *
+                              geometry::Rigid2{{x_m, y_m}, 0};
   return {.position = at.translation,
           .yaw_rad = at.yaw_rad,
           .height_m = from.height_m};
@@ -142,9 +141,8 @@ bool DockYard::HasRoom(const simulator::RobotPlacement& dock) const {
   const double staging_m = docking::DefaultStaging_m(model_);
   for (double back_m = 0; back_m <= staging_m; back_m += 0.1) {
     const bool turns = back_m > staging_m - 0.2;
-    const double needed_m = (turns ? model_.Circumradius_m()
-                                   : model_.half_width_m) +
-                            kBesideDock_m;
+    const double needed_m =
+        (turns ? model_.Circumradius_m() : model_.half_width_m) + kBesideDock_m;
     if (ClearanceAt_m(Ahead(dock, -Sign() * back_m, 0)) < needed_m) {
       return false;
     }
@@ -169,8 +167,8 @@ absl::Status DockYard::Draw() {
     world_from_docked_ = {dock.position, dock.yaw_rad};
     return absl::OkStatus();
   }
-  return absl::FailedPreconditionError(absl::StrCat(
-      "world ", place_.world().name, " has no room for a dock"));
+  return absl::FailedPreconditionError(
+      absl::StrCat("world ", place_.world().name, " has no room for a dock"));
 }
 
 absl::Status DockYard::PutCrate(const std::string& name,
@@ -193,9 +191,9 @@ absl::Status DockYard::PutThings() {
   if (!scene_.is_niche) return absl::OkStatus();
   const double aside_m = model_.half_width_m + kNicheGap_m + 0.5 * kNicheWall_m;
   for (const double side : {-1.0, 1.0}) {
-    TL_RETURN_IF_ERROR(
-        PutCrate(absl::StrCat("side", side), Ahead(docked, 0, side * aside_m),
-                 model_.front_m + model_.rear_m, kNicheWall_m));
+    TL_RETURN_IF_ERROR(PutCrate(absl::StrCat("side", side),
+                                Ahead(docked, 0, side * aside_m),
+                                model_.front_m + model_.rear_m, kNicheWall_m));
   }
   return absl::OkStatus();
 }
@@ -262,11 +260,11 @@ absl::Status DockYard::WakeUp() {
   pilot_->SetDocks(docks);
   StepFor(kStay_s);
   run_.miss = MissNow();
-  run_.outcome = robot_->EstimateError().has_value() &&
-                         robot_->EstimateError()->distance_m <=
-                             docking::kAtDock_m
-                     ? DockingSuiteOutcome::kExact
-                     : DockingSuiteOutcome::kFailed;
+  run_.outcome =
+      robot_->EstimateError().has_value() &&
+              robot_->EstimateError()->distance_m <= docking::kAtDock_m
+          ? DockingSuiteOutcome::kExact
+          : DockingSuiteOutcome::kFailed;
   run_.estimate_off_m =
       robot_->EstimateError().value_or(suites::PoseMiss{}).distance_m;
   return absl::OkStatus();
@@ -280,9 +278,9 @@ void DockYard::Step() {
                                          .height_m = run_.dock.height_m}});
     const bool touches =
         chargers.Touch(robot_->simulator().state().world_from_base);
-    battery = {.charge = 0.5,
-               .charging =
-                   touches ? core::Charging::kYes : core::Charging::kNo};
+    battery = {
+        .charge = 0.5,
+        .charging = touches ? core::Charging::kYes : core::Charging::kNo};
   }
   pilot_->Step(robot_->navigator(), robot_->simulator().clock().Now(), battery);
   for (behavior::NavigatorEvent& event : pilot_->TakeEvents()) {
@@ -342,8 +340,8 @@ absl::Status DockYard::DriveIn(const std::stop_token& stop) {
         std::hypot(run_.miss.along_m, run_.miss.aside_m) <=
             docking::kTolerance_m &&
         std::abs(run_.miss.turned_rad) <= docking::kTolerance_rad;
-    run_.outcome = is_exact ? DockingSuiteOutcome::kExact
-                            : DockingSuiteOutcome::kInexact;
+    run_.outcome =
+        is_exact ? DockingSuiteOutcome::kExact : DockingSuiteOutcome::kInexact;
   }
   return absl::OkStatus();
 }

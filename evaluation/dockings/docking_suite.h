@@ -65,8 +65,8 @@ struct DockingRun : suites::SuiteRun {
 };
 
 // "plain": a charger of 0.2 m, often before a wall. "backward": driven into
-// with the rear first. "moved": by 5 cm, since it was looked at. "wide": 0.62 m,
-// which hides most of the room from where the robot is docked; the robot is
+// with the rear first. "moved": by 5 cm, since it was looked at. "wide": 0.62
+// m, which hides most of the room from where the robot is docked; the robot is
 // started there and must know where it is. "niche": with walls 8 cm beside the
 // robot. "blocked": something stands before it for a while.
 std::vector<std::string> DockingScenes();

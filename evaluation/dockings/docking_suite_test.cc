@@ -55,12 +55,11 @@ TEST(RunDockingTest, IsAFunctionOfTheSeed) {
 }
 
 TEST(RunDockingTest, WhatIsNoSceneIsSaid) {
-  EXPECT_THAT(
-      std::string(RunDocking(Cafe(), {.seed = 1, .scene = "moon"},
-                             std::stop_token())
-                      .status()
-                      .message()),
-      HasSubstr("plain, backward"));
+  EXPECT_THAT(std::string(RunDocking(Cafe(), {.seed = 1, .scene = "moon"},
+                                     std::stop_token())
+                              .status()
+                              .message()),
+              HasSubstr("plain, backward"));
 }
 
 TEST(DockingReportTest, SaysHowFarOffAndWhatFailedWithItsSeed) {

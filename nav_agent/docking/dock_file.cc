@@ -95,10 +95,9 @@ std::string DockFileText(std::span<const Dock> docks) {
 
 absl::StatusOr<std::vector<Dock>> ParseDockFile(absl::string_view text) {
   const bool is_old = absl::StartsWith(text, kFirstLineOfOld);
-  TL_ASSIGN_OR_RETURN(
-      const std::vector<absl::string_view> lines,
-      base::ParseCheckedLines(is_old ? kFirstLineOfOld : kFirstLine, kWhat,
-                              text));
+  TL_ASSIGN_OR_RETURN(const std::vector<absl::string_view> lines,
+                      base::ParseCheckedLines(
+                          is_old ? kFirstLineOfOld : kFirstLine, kWhat, text));
   std::vector<Dock> docks;
   for (size_t i = 0; i < lines.size(); ++i) {
     const absl::Status read = ReadLine(lines[i], docks);

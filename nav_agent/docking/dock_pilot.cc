@@ -450,8 +450,7 @@ void DockPilot::WakeUp(behavior::Navigator& navigator) {
   woke_ = now_;
   const std::optional<core::LevelPose> found =
       DockSight::FindIn(*docks_, navigator.Snapshot());
-  if (!found.has_value() ||
-      !navigator.SetPose(*found, kWokenCovariance).ok()) {
+  if (!found.has_value() || !navigator.SetPose(*found, kWokenCovariance).ok()) {
     return;
   }
   looked_.reset();
@@ -483,8 +482,9 @@ void DockPilot::LookForDock(const behavior::Navigator& navigator) {
     return;
   }
   is_move_told_ = true;
-  events_.Add("dock", absl::StrFormat("dock '%s' was moved by %.1f cm: follows",
-                                      dock_.name, 100 * sight_.seen()->moved_m));
+  events_.Add("dock",
+              absl::StrFormat("dock '%s' was moved by %.1f cm: follows",
+                              dock_.name, 100 * sight_.seen()->moved_m));
 }
 
 // ---- all ----

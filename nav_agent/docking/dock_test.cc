@@ -118,13 +118,13 @@ TEST(Dock, WhatIsSeenFromItIsKeptInMillimetres) {
   EXPECT_TRUE(IsSamePlace(read->front(), dock));
   EXPECT_EQ(read->back(), other);
   EXPECT_EQ(DockFileText(*read), text);
-  for (const char* lines :
-       {"seen 1 2", "dock 0 1 2 3 forward 1 a\nseen 1",
-        "dock 0 1 2 3 forward 1 a\nseen 1 x",
-        "dock 0 1 2 3 forward 1 a\nseen 1 2\nseen 3 4"}) {
-    EXPECT_FALSE(ParseDockFile(base::CheckedLinesText(
-                                   "treeline-docks 2", absl::StrSplit(lines, '\n')))
-                     .ok())
+  for (const char* lines : {"seen 1 2", "dock 0 1 2 3 forward 1 a\nseen 1",
+                            "dock 0 1 2 3 forward 1 a\nseen 1 x",
+                            "dock 0 1 2 3 forward 1 a\nseen 1 2\nseen 3 4"}) {
+    EXPECT_FALSE(
+        ParseDockFile(base::CheckedLinesText("treeline-docks 2",
+                                             absl::StrSplit(lines, '\n')))
+            .ok())
         << lines;
   }
   // Of before there were views.

@@ -57,8 +57,7 @@ ScanOutline OutlineOf(std::span<const geometry::Vec2> points,
 
 ScanMatch Match(const ScanOutline& view, const ScanOutline& scan,
                 const MatchSearch& search) {
-  const mapping::PlacedScan reference = {.scan = &view,
-                                         .target_from_scan = {}};
+  const mapping::PlacedScan reference = {.scan = &view, .target_from_scan = {}};
   const mapping::SurfaceGrid grid =
       mapping::MakeSurfaceGrid({&reference, 1}, scan, {}, search, kMatcher);
   return mapping::MatchScan(grid, scan, {}, search, kMatcher);
@@ -96,8 +95,7 @@ std::vector<geometry::Vec2> BodyOf(std::span<const geometry::Vec2> points,
 std::optional<geometry::Rigid2> MovedBody(
     const Dock& dock, std::span<const geometry::Vec2> scan_in_map,
     const geometry::Rigid2& docked_from_map, const core::RobotModel& robot) {
-  const ScanOutline view =
-      OutlineOf(BodyOf(dock.view, {}, dock, robot, 0), {});
+  const ScanOutline view = OutlineOf(BodyOf(dock.view, {}, dock, robot, 0), {});
   const ScanOutline seen = OutlineOf(
       BodyOf(scan_in_map, docked_from_map, dock, robot, kBodyReach_m), {});
   if (view.size() < kBodyPoints || seen.size() < kBodyPoints) {
@@ -132,8 +130,7 @@ void DockViewMaker::Add(std::span<const geometry::Vec2> scan_in_base) {
         std::atan2(from_laser.y, from_laser.x) + std::numbers::pi;
     const auto sector =
         static_cast<size_t>(angle_rad / kViewStep_rad) % kSectors;
-    ranges_m_[sector].push_back(
-        static_cast<float>(geometry::Norm(from_laser)));
+    ranges_m_[sector].push_back(static_cast<float>(geometry::Norm(from_laser)));
   }
 }
 
@@ -167,10 +164,9 @@ std::optional<SeenDock> FindDock(const Dock& dock,
                                  const core::RobotModel& robot) {
   if (dock.view.empty()) return std::nullopt;
   const geometry::Rigid2 believed_from_map = dock.map_from_docked.Inverse();
-  const ScanMatch match = Match(OutlineOf(dock.view, {}),
-                                OutlineOf(scan_in_map, believed_from_map),
-                                {.half_extent_m = kViewReach_m,
-                                 .half_angle_rad = kViewTurn_rad});
+  const ScanMatch match =
+      Match(OutlineOf(dock.view, {}), OutlineOf(scan_in_map, believed_from_map),
+            {.half_extent_m = kViewReach_m, .half_angle_rad = kViewTurn_rad});
   if (!IsSure(match, kViewResponse)) return std::nullopt;
   const geometry::Rigid2 docked_from_map =
       match.target_from_scan * believed_from_map;

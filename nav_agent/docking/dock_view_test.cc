@@ -28,8 +28,8 @@ void ExpectSeen(DockRoom& room, const Dock& dock, const geometry::Rigid2& truth,
                 const geometry::Rigid2& off,
                 const geometry::Rigid2& true_docked) {
   const geometry::Rigid2 believed = truth * off;
-  const auto seen = FindDock(
-      dock, DockRoom::Placed(believed, room.Scan(truth)), room.robot);
+  const auto seen =
+      FindDock(dock, DockRoom::Placed(believed, room.Scan(truth)), room.robot);
   ASSERT_TRUE(seen.has_value());
   const geometry::Rigid2 by_sight = believed.Inverse() * seen->map_from_docked;
   const geometry::Rigid2 in_truth = truth.Inverse() * true_docked;
@@ -95,8 +95,8 @@ TEST(DockView, ABodyThatWasMovedIsFollowed) {
     moved.translation = moved.translation + by;
     for (const double back_m : {0.4, 0.2, 0.06}) {
       const geometry::Rigid2 truth = moved * geometry::Rigid2{{-back_m, 0}, 0};
-      const auto seen = FindDock(
-          dock, DockRoom::Placed(truth, room.Scan(truth)), room.robot);
+      const auto seen =
+          FindDock(dock, DockRoom::Placed(truth, room.Scan(truth)), room.robot);
       ASSERT_TRUE(seen.has_value());
       EXPECT_NEAR(seen->moved_m, 0.05, 0.01) << back_m;
       // Its front is 20 cm wide: noise on both ends of that.
@@ -124,8 +124,7 @@ TEST(DockView, WhatIsSomewhereElseIsNoDock) {
   EXPECT_TRUE(PlaceInDock(dock, room.Scan(dock.map_from_docked)).has_value());
   EXPECT_FALSE(PlaceInDock(dock, room.Scan({{1.8, 1}, 1})).has_value());
   EXPECT_FALSE(PlaceInDock(dock, {}).has_value());
-  EXPECT_FALSE(PlaceInDock(DockRoom::Charger(),
-                           room.Scan(dock.map_from_docked))
+  EXPECT_FALSE(PlaceInDock(DockRoom::Charger(), room.Scan(dock.map_from_docked))
                    .has_value());
   const geometry::Rigid2 beside =
       dock.map_from_docked * geometry::Rigid2{{-0.05, 0.04}, 0.05};

@@ -14,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 #include "nav_agent/core/battery.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/docking/charge_keeper.h"
 #include "nav_agent/docking/dock_pilot.h"
 #include "nav_agent/service/dock_book.h"
@@ -33,12 +34,18 @@ class DockDesk {
  public:
   // `charge` must be valid.
   DockDesk(std::unique_ptr<DockBook> book, const core::RobotModel& robot,
-           const docking::ChargeOptions& charge)
-      : book_(std::move(book)), pilot_(robot), keeper_(charge) {}
+           const docking::ChargeOptions& charge,
+           core::ContactEnd contacts = core::ContactEnd::kUnsaid)
+      : book_(std::move(book)),
+        pilot_(robot),
+        keeper_(charge),
+        contacts_(contacts) {}
 
   // ---- any thread ----
   DockBook& book() { return *book_; }
   const DockBook& book() const { return *book_; }
+  // A dock that is made is driven into with that end ahead, whatever it says.
+  core::ContactEnd contacts() const { return contacts_; }
 
   // ---- the thread that steps ----
   docking::DockPilot& pilot() { return pilot_; }
@@ -89,6 +96,7 @@ class DockDesk {
   std::unique_ptr<DockBook> book_;
   docking::DockPilot pilot_;
   docking::ChargeKeeper keeper_;
+  const core::ContactEnd contacts_;
   // Of what the pilot knows.
   uint64_t revision_ = 0;
 };

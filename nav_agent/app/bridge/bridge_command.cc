@@ -74,8 +74,9 @@ absl::Status Run(const BridgeFlags& flags, const std::stop_token& stop) {
     TL_ASSIGN_OR_RETURN(sensors, flags.read_sensors(config.robot));
     if (!sensors.base_from_camera.has_value()) {
       log->Say(logging::LogLevel::kWarn,
-               config.robot + " does not say where the camera is: that is as "
-                              "/tf_static has it");
+               config.robot +
+                   " does not say where the camera is: that is as "
+                   "/tf_static has it");
     }
   }
   relocalizer::ConnectOptions connect;

@@ -80,8 +80,8 @@ TEST(BridgeConfigTest, ARobotsFileGoesBeforeTfAndSettingsBeforeIt) {
   BridgeConfig config = Config();
   EXPECT_FALSE(config.PlaceFinder()->base_from_camera.has_value());
   const SensorsOfFile sensors = {
-      .base_from_camera = geometry::Rigid3{.rotation = {},
-                                           .translation = {0.1, 0, 1}},
+      .base_from_camera =
+          geometry::Rigid3{.rotation = {}, .translation = {0.1, 0, 1}},
       .camera_delay_s = 0.04,
       .laser_delay_s = 0.01};
   auto options = config.PlaceFinder(sensors);

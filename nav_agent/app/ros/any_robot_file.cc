@@ -54,9 +54,9 @@ bool TellsCamera(const yaml::YamlNode& file, RobotFileKind kind) {
     case RobotFileKind::kRobot:
       return file.Has("camera");
     case RobotFileKind::kHardware:
-      return std::ranges::any_of(
-          kHardwareCameraKeys,
-          [&file](const char* key) { return file.Has(key); });
+      return std::ranges::any_of(kHardwareCameraKeys, [&file](const char* key) {
+        return file.Has(key);
+      });
     case RobotFileKind::kRos:
       return file.Has("base_from_camera");
   }

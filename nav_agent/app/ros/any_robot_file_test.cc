@@ -73,8 +73,8 @@ TEST_F(AnyRobotFileTest, ARelocalizerTakesWhatTheFileItselfSays) {
   // Of a camera of some robot's, /tf knows more.
   EXPECT_FALSE(sensors(ros).base_from_camera.has_value());
   EXPECT_EQ(sensors(ros).camera_delay_s, 0.03);
-  const auto told = sensors(
-      ros + "base_from_camera: [0.2, 0, 1.1, -0.5, 0.5, -0.5, 0.5]\n");
+  const auto told =
+      sensors(ros + "base_from_camera: [0.2, 0, 1.1, -0.5, 0.5, -0.5, 0.5]\n");
   ASSERT_TRUE(told.base_from_camera.has_value());
   EXPECT_EQ(told.base_from_camera->translation.z, 1.1);
   EXPECT_FALSE(sensors("like: jackal\n").base_from_camera.has_value());

@@ -33,6 +33,7 @@ class RealRobot final : public AgentRobot {
     robot->model_ = config.robot;
     robot->correction_ = config.correction;
     robot->noise_ = config.noise;
+    robot->contacts_ = config.contacts;
     TL_ASSIGN_OR_RETURN(robot->hardware_,
                         hardware::RobotHardware::Open(config, robot->clock_));
     return robot;
@@ -51,6 +52,7 @@ class RealRobot final : public AgentRobot {
   std::optional<core::MeasuredOdometryNoise> noise() const override {
     return noise_;
   }
+  core::ContactEnd contacts() const override { return contacts_; }
   void Advance(std::chrono::nanoseconds /*duration*/) override {}
 
  private:
@@ -58,6 +60,7 @@ class RealRobot final : public AgentRobot {
   core::RobotModel model_;
   core::SensorCorrection correction_;
   std::optional<core::MeasuredOdometryNoise> noise_;
+  core::ContactEnd contacts_ = core::ContactEnd::kUnsaid;
   std::unique_ptr<hardware::RobotHardware> hardware_;
 };
 
@@ -111,6 +114,7 @@ class SimulatedAgentRobot final : public AgentRobot,
         places_(std::move(places)),
         map_from_world_(map_from_world),
         noise_(options.robot.noise),
+        contacts_(options.robot.contacts),
         random_(options.seed, kKidnapStream),
         battery_(options.battery) {}
 
@@ -129,6 +133,7 @@ class SimulatedAgentRobot final : public AgentRobot,
   std::optional<core::MeasuredOdometryNoise> noise() const override {
     return noise_;
   }
+  core::ContactEnd contacts() const override { return contacts_; }
   void Advance(std::chrono::nanoseconds duration) override {
     const geometry::Vec3 before = MapFromBase().translation;
     simulator_->Step(duration);
@@ -242,6 +247,7 @@ class SimulatedAgentRobot final : public AgentRobot,
   const runs::SuiteWorld places_;
   const geometry::Rigid3 map_from_world_;
   const std::optional<core::MeasuredOdometryNoise> noise_;
+  const core::ContactEnd contacts_;
   base::Random random_;
   simulator::SimulatedBattery battery_;
   simulator::Chargers chargers_;
@@ -280,10 +286,9 @@ absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
     const core::LevelPose& pose, double size_m) {
   const std::string name = absl::StrCat("obstacle-", next_obstacle_);
   const geometry::Vec2 center = pose.map_from_base.translation;
-  TL_RETURN_IF_ERROR(
-      simulator_->AddObstacle(
-          name, worlds::kCrate, InWorld(pose),
-          worlds::CrateScale(simulator_->world(), size_m, size_m)));
+  TL_RETURN_IF_ERROR(simulator_->AddObstacle(
+      name, worlds::kCrate, InWorld(pose),
+      worlds::CrateScale(simulator_->world(), size_m, size_m)));
   ++next_obstacle_;
   obstacles_[name] = center;
   return name;

@@ -41,11 +41,13 @@ class CameraInput {
   const std::optional<camera::Camera>& camera() const { return camera_; }
   // Of the newest picture; "": there is none.
   const std::string& frame_id() const { return frame_id_; }
-  // On odometry's time, of the picture that Newest would give; nullopt: it would give none.
+  // On odometry's time, of the picture that Newest would give; nullopt: it
+  // would give none.
   std::optional<base::MonotonicTime> NewestStamp() const;
-  // Decoded, stamped as NewestStamp has it; its sequence counts pictures. FAILED_PRECONDITION while something
-  // is missing, and says what; INVALID_ARGUMENT for pictures that are broken,
-  // or of another size than CameraInfo says.
+  // Decoded, stamped as NewestStamp has it; its sequence counts pictures.
+  // FAILED_PRECONDITION while something is missing, and says what;
+  // INVALID_ARGUMENT for pictures that are broken, or of another size than
+  // CameraInfo says.
   absl::StatusOr<core::RgbdFrame> Newest() const;
 
   int64_t pictures() const { return pictures_; }

@@ -64,9 +64,8 @@ absl::Status PlaceFinderOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("answer_timeout_s", answer_timeout_s, 0.1, 60));
   TL_RETURN_IF_ERROR(base::CheckRange("ask_interval_s", ask_interval_s, 0, 60));
-  TL_RETURN_IF_ERROR((core::SensorCorrection{
-                          .laser_delay_s = laser_delay_s,
-                          .camera_delay_s = camera.delay_s}
+  TL_RETURN_IF_ERROR((core::SensorCorrection{.laser_delay_s = laser_delay_s,
+                                             .camera_delay_s = camera.delay_s}
                           .Validate()));
   TL_RETURN_IF_ERROR(
       base::CheckRange("max_turn_radps", max_turn_radps, 0.01, 10));
