@@ -34,12 +34,14 @@ constexpr double kChargerDepth_m = 0.2;
 constexpr double kChargerWidth_m = 0.2;
 constexpr double kWideCharger_m = 0.62;
 constexpr double kGap_m = 0.02;
-constexpr double kNicheGap_m = 0.08;
+constexpr double kNicheGap_m = 0.17;
+constexpr double kNicheStaging_m = 1.2;
 constexpr double kNicheWall_m = 0.1;
 constexpr double kMoved_m = 0.05;
 constexpr double kBlock_m = 0.3;
 constexpr double kBlockedFor_s = 20;
 // Until a robot has looked from its dock, and it must stay what it is (s).
+constexpr double kMake_s = 0.3;
 constexpr double kLook_s = 4;
 constexpr double kStay_s = 20;
 constexpr double kPatience_s = 120;
@@ -119,6 +121,12 @@ class DockYard {
     return scene_.is_backward ? model_.rear_m : model_.front_m;
   }
 
+  // Out of a niche it must come before it can turn.
+  double Staging_m() const {
+    return scene_.is_niche ? kNicheStaging_m
+                           : docking::DefaultStaging_m(model_);
+  }
+
   const suites::SuitePlace& place_;
   const DockingSuiteOptions& options_;
   const Scene scene_;
@@ -138,7 +146,7 @@ double DockYard::ClearanceAt_m(const simulator::RobotPlacement& at) const {
 }
 
 bool DockYard::HasRoom(const simulator::RobotPlacement& dock) const {
-  const double staging_m = docking::DefaultStaging_m(model_);
+  const double staging_m = Staging_m();
   for (double back_m = 0; back_m <= staging_m; back_m += 0.1) {
     const bool turns = back_m > staging_m - 0.2;
     const double needed_m =
@@ -159,8 +167,8 @@ absl::Status DockYard::Draw() {
         ClearanceAt_m(Ahead(dock, Sign() * (Edge_m() + kBehind_m), 0)) <= 0.05;
     if ((!is_before_wall && i < kTries / 2) || !HasRoom(dock)) continue;
     const simulator::RobotPlacement start = place_.AnyPlace(random);
-    const auto way_m = place_.PathLength_m(
-        start, Ahead(dock, -Sign() * docking::DefaultStaging_m(model_), 0));
+    const auto way_m =
+        place_.PathLength_m(start, Ahead(dock, -Sign() * Staging_m(), 0));
     if (!way_m.has_value() || *way_m < kMinWay_m) continue;
     run_.dock = dock;
     run_.start = start;
@@ -213,7 +221,7 @@ absl::Status DockYard::Begin() {
   TL_RETURN_IF_ERROR(Make(run_.dock));
   TL_ASSIGN_OR_RETURN(const core::LevelPose pose, place_.InMap(run_.dock));
   TL_RETURN_IF_ERROR(robot_->Tell(pose));
-  StepFor(1);
+  StepFor(kMake_s);
   // As somebody makes it who has driven the robot into it.
   const std::optional<localization::TrackedPose> here =
       robot_->navigator().Snapshot().pose;
@@ -222,7 +230,7 @@ absl::Status DockYard::Begin() {
            .map_from_docked = here->pose.map_from_base,
            .level = here->pose.place.level,
            .is_backward = scene_.is_backward,
-           .staging_m = docking::DefaultStaging_m(model_)};
+           .staging_m = Staging_m()};
   return absl::OkStatus();
 }
 
@@ -273,7 +281,7 @@ absl::Status DockYard::WakeUp() {
 void DockYard::Step() {
   robot_->Step();
   std::optional<core::Battery> battery;
-  if (options_.has_contacts || scene_.is_wide) {
+  if (options_.has_contacts || scene_.is_wide || scene_.is_niche) {
     const simulator::Chargers chargers({{.map_from_docked = world_from_docked_,
                                          .height_m = run_.dock.height_m}});
     const bool touches =

@@ -31,21 +31,21 @@ const char* DockingSuiteOutcomeName(DockingSuiteOutcome outcome);
 struct DockingSuiteOptions {
   uint64_t seed = 0;
   // One of DockingScenes(); empty: "plain".
-  std::string scene;
+  std::string scene = {};
   // Whether the robot goes by what the laser sees from the dock, or by its
   // place on the map alone.
   bool by_sight = true;
   // Whether its battery tells of the contacts.
   bool has_contacts = false;
   bool has_rear_laser = true;
-  behavior::NavigatorOptions navigator;
+  behavior::NavigatorOptions navigator = {};
 };
 
 // Where a robot stands to where it should, in the dock's terms.
 using DockMiss = docking::DockOffset;
 
 struct DockingRun : suites::SuiteRun {
-  std::string scene;
+  std::string scene = {};
   DockingSuiteOutcome outcome = DockingSuiteOutcome::kFailed;
   simulator::RobotPlacement dock;
   simulator::RobotPlacement start;
@@ -67,8 +67,8 @@ struct DockingRun : suites::SuiteRun {
 // "plain": a charger of 0.2 m, often before a wall. "backward": driven into
 // with the rear first. "moved": by 5 cm, since it was looked at. "wide": 0.62
 // m, which hides most of the room from where the robot is docked; the robot is
-// started there and must know where it is. "niche": with walls 8 cm beside the
-// robot. "blocked": something stands before it for a while.
+// started there and must know where it is. "niche": with walls 17 cm beside the
+// robot, charging. "blocked": something stands before it for a while.
 std::vector<std::string> DockingScenes();
 
 // Deterministic by place and options, times apart. CANCELLED if `stop` is

@@ -29,7 +29,7 @@ const suites::SuitePlace& Cafe() {
   return **kCafe;
 }
 
-DockingRun Run(const std::string& scene, uint64_t seed) {
+DockingRun DockIn(const std::string& scene, uint64_t seed) {
   const auto run =
       RunDocking(Cafe(), {.seed = seed, .scene = scene}, std::stop_token());
   EXPECT_TRUE(run.ok()) << run.status();
@@ -37,21 +37,21 @@ DockingRun Run(const std::string& scene, uint64_t seed) {
 }
 
 // Wheels that slip, AMCL's error and the laser's noise: all of them.
-TEST(RunDockingTest, EverySceneEndsInItsDock) {
-  for (const std::string& scene : DockingScenes()) {
+TEST(RunDockingTest, ItStandsWithinTwoCentimetresOfItsDock) {
+  for (const char* scene : {"plain", "backward", "moved"}) {
     SCOPED_TRACE(scene);
-    const DockingRun run = Run(scene, 1000);
+    const DockingRun run = DockIn(scene, 1000);
     EXPECT_TRUE(run.IsGood()) << DockingSummary({run}, 1);
   }
 }
 
 TEST(RunDockingTest, IsAFunctionOfTheSeed) {
-  const DockingRun first = Run("plain", 1001);
-  const DockingRun second = Run("plain", 1001);
+  const DockingRun first = DockIn("plain", 1001);
+  const DockingRun second = DockIn("plain", 1001);
   EXPECT_EQ(first.record.final_state.world_from_base.translation,
             second.record.final_state.world_from_base.translation);
   EXPECT_EQ(first.miss.along_m, second.miss.along_m);
-  EXPECT_FALSE(Run("plain", 1002).dock.position == first.dock.position);
+  EXPECT_FALSE(DockIn("plain", 1002).dock.position == first.dock.position);
 }
 
 TEST(RunDockingTest, WhatIsNoSceneIsSaid) {

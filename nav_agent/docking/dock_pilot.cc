@@ -27,6 +27,9 @@ constexpr double kNear_m = kTolerance_m / 4;
 constexpr double kStands_s = 1;
 // A battery that does not charge any more (of a full one).
 constexpr double kFull = 0.99;
+// So far the estimate of a robot that charges may move (m, rad).
+constexpr double kDrifted_m = 0.08;
+constexpr double kDrifted_rad = 0.1;
 // What a view of its dock tells a robot: 2 cm, 1 degree (m^2, rad^2).
 constexpr localization::PoseCovariance2 kWokenCovariance = {
     4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 3e-4};
@@ -432,31 +435,53 @@ void DockPilot::EndOut(const std::string& why_not) {
 void DockPilot::TellThings(behavior::Navigator& navigator) {
   if (told_ == docks_) return;
   told_ = docks_;
-  auto things = std::make_shared<localization::KnownThings>();
-  for (const Dock& dock : *docks_) {
-    std::vector<geometry::Vec2> in_map = dock.view;
-    for (geometry::Vec2& point : in_map) point = dock.map_from_docked * point;
-    things->Add(dock.level, in_map);
-  }
-  navigator.SetKnownThings(std::move(things));
+  navigator.SetKnownThings(ThingsAt(*docks_));
 }
 
 void DockPilot::WakeUp(behavior::Navigator& navigator) {
-  if (charging_ != core::Charging::kYes || docks_->empty()) return;
-  if (!IsLost(navigator.mode()) && PoseOf(navigator).has_value()) return;
+  if (charging_ != core::Charging::kYes || docks_->empty()) {
+    charges_at_.reset();
+    return;
+  }
+  const behavior::NavigatorSnapshot shot = navigator.Snapshot();
+  const bool is_lost = IsLost(navigator.mode()) || !shot.pose.has_value();
+  if (shot.pose.has_value() && !IsStill(shot)) charges_at_.reset();
+  if (!is_lost && !charges_at_.has_value()) {
+    if (IsDocked() && IsStill(shot)) charges_at_ = shot.pose->pose;
+    return;
+  }
   if (woke_.has_value() && base::SecondsBetween(*woke_, now_) < kLookEvery_s) {
     return;
   }
   woke_ = now_;
-  const std::optional<core::LevelPose> found =
-      DockSight::FindIn(*docks_, navigator.Snapshot());
+  if (charges_at_.has_value()) {
+    HoldWhereItCharges(navigator, is_lost, shot);
+    return;
+  }
+  const std::optional<core::LevelPose> found = DockSight::FindIn(*docks_, shot);
   if (!found.has_value() || !navigator.SetPose(*found, kWokenCovariance).ok()) {
     return;
   }
   looked_.reset();
-  events_.Add("dock",
-              "it charges, and sees what it has seen from there: it knows "
-              "where it is");
+  events_.Add("dock", "charges and sees its dock: it knows where it is");
+}
+
+// Where a dock hides most of the room, what is left of it moves the estimate.
+void DockPilot::HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
+                                   const behavior::NavigatorSnapshot& shot) {
+  if (!is_lost) {
+    const geometry::Rigid2 off =
+        charges_at_->map_from_base.Inverse() * shot.pose->pose.map_from_base;
+    if (geometry::Norm(off.translation) <= kDrifted_m &&
+        std::abs(off.yaw_rad) <= kDrifted_rad) {
+      return;
+    }
+  }
+  if (!navigator.SetPose(*charges_at_, kWokenCovariance).ok()) return;
+  looked_.reset();
+  if (is_lost) {
+    events_.Add("dock", "it charges where it did: it has not been carried");
+  }
 }
 
 void DockPilot::LearnView(const behavior::Navigator& navigator) {
@@ -466,7 +491,7 @@ void DockPilot::LearnView(const behavior::Navigator& navigator) {
     return;
   }
   if (!dock->view.empty()) return;
-  learned_ = sight_.Learn(*dock, navigator.Snapshot(), charging_);
+  learned_ = sight_.Learn(*dock, navigator.Snapshot());
   if (!learned_.has_value()) return;
   std::vector<Dock> docks = *docks_;
   docks[static_cast<size_t>(dock - docks_->begin())] = *learned_;

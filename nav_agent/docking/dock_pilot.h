@@ -113,6 +113,8 @@ class DockPilot {
   // The navigator knows what stands at the docks.
   void TellThings(behavior::Navigator& navigator);
   void WakeUp(behavior::Navigator& navigator);
+  void HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
+                          const behavior::NavigatorSnapshot& shot);
   void LearnView(const behavior::Navigator& navigator);
   // dock_ as it is seen.
   void LookForDock(const behavior::Navigator& navigator);
@@ -144,6 +146,8 @@ class DockPilot {
   // What the navigator knows of; when it was last looked for a robot in one.
   Docks told_;
   std::optional<base::MonotonicTime> woke_;
+  // Where it stands still since it charges, if it knows: it was not carried.
+  std::optional<core::LevelPose> charges_at_;
   base::MonotonicTime now_;
   core::Charging charging_ = core::Charging::kUnknown;
   bool is_full_ = false;

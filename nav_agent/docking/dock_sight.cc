@@ -7,17 +7,21 @@
 namespace treeline::docking {
 namespace {
 
+// Localization is so far off; who stands further from the docked pose has come
+// there by chance (m, rad).
+constexpr double kNearest_m = kTolerance_m + kPress_m;
+constexpr double kNearest_rad = 2 * kTolerance_rad;
 // A slower robot stands (m/s, rad/s).
 constexpr double kStill_mps = 0.005;
 constexpr double kStill_radps = 0.01;
+
+}  // namespace
 
 bool IsStill(const behavior::NavigatorSnapshot& shot) {
   return shot.command == core::VelocityCommand{} && shot.pose.has_value() &&
          std::abs(shot.pose->forward_mps) <= kStill_mps &&
          std::abs(shot.pose->yaw_rate_radps) <= kStill_radps;
 }
-
-}  // namespace
 
 bool DockSight::IsNewScan(const behavior::NavigatorSnapshot& shot) {
   if (shot.laser.used == scans_) return false;
@@ -48,20 +52,16 @@ Dock DockSight::Look(const Dock& dock, const behavior::NavigatorSnapshot& shot,
 }
 
 std::optional<Dock> DockSight::Learn(const Dock& dock,
-                                     const behavior::NavigatorSnapshot& shot,
-                                     core::Charging charging) {
+                                     const behavior::NavigatorSnapshot& shot) {
   if (!IsStill(shot) || dock.name != learns_) {
     learns_ = dock.name;
     maker_.Reset();
     return std::nullopt;
   }
-  const bool has_contact = charging == core::Charging::kYes;
   const geometry::Rigid2 docked_from_base =
       dock.map_from_docked.Inverse() * shot.pose->pose.map_from_base;
-  // Who stands further off has come there by chance.
-  const double nearest_m = kTolerance_m + (has_contact ? kPress_m.value : 0);
-  if (geometry::Norm(docked_from_base.translation) > nearest_m ||
-      std::abs(docked_from_base.yaw_rad) > kTolerance_rad) {
+  if (geometry::Norm(docked_from_base.translation) > kNearest_m ||
+      std::abs(docked_from_base.yaw_rad) > kNearest_rad) {
     maker_.Reset();
     return std::nullopt;
   }
@@ -70,9 +70,6 @@ std::optional<Dock> DockSight::Learn(const Dock& dock,
   Dock learned = dock;
   learned.view = maker_.View();
   maker_.Reset();
-  if (!has_contact) {
-    for (geometry::Vec2& point : learned.view) point = docked_from_base * point;
-  }
   if (learned.view.empty()) return std::nullopt;
   return learned;
 }

@@ -10,12 +10,14 @@
 
 #include "common/base/clock.h"
 #include "nav_agent/behavior/navigator_snapshot.h"
-#include "nav_agent/core/battery.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/docking/dock.h"
 #include "nav_agent/docking/dock_view.h"
 
 namespace treeline::docking {
+
+// It is commanded nothing, and its wheels do not roll.
+bool IsStill(const behavior::NavigatorSnapshot& shot);
 
 // Not thread-safe.
 class DockSight {
@@ -34,11 +36,10 @@ class DockSight {
 
   // ---- standing in it ----
   // A step of a robot that stands in a dock without a view. The dock with its
-  // view, once that is complete. The pose where the battery tells of a contact
-  // is the docked one, wherever that is in the map.
+  // view, once that is complete. Where it stands is the docked pose from then
+  // on: where that is in the map, localization knows no better.
   std::optional<Dock> Learn(const Dock& dock,
-                            const behavior::NavigatorSnapshot& shot,
-                            core::Charging charging);
+                            const behavior::NavigatorSnapshot& shot);
   // It does not stand there any more.
   void ForgetLearned() { maker_.Reset(); }
 

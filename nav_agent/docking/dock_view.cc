@@ -30,13 +30,13 @@ constexpr double kSpacing_m = 0.02;
 constexpr double kFarthest_m = 8;
 constexpr mapping::ScanMatcherOptions kMatcher = {.cell_m = 0.03,
                                                   .sigma_m = 0.04};
-// The body: so many points at least; it turns with what stands around, give or
-// take this (rad); so well they must fit.
-constexpr size_t kBodyPoints = 12;
-constexpr double kBodyTurn_rad = 0.03;
-constexpr double kBodyResponse = 0.6;
-// Of the thickness of a charger (m), from the robot's edge at the docked pose.
+// Of a charger's thickness (m), beyond the robot's edge at the docked pose.
 constexpr double kBodyDepth_m = 0.3;
+// Its face: so many points at least, so deep, and so far from where the robot's
+// width ends (m).
+constexpr size_t kFacePoints = 8;
+constexpr double kFaceDepth_m = 0.05;
+constexpr double kFaceEnd_m = 0.02;
 
 ScanOutline OutlineOf(std::span<const geometry::Vec2> points,
                       const geometry::Rigid2& target_from_points) {
@@ -70,48 +70,65 @@ bool IsSure(const ScanMatch& match, double response) {
              kViewStd_m;
 }
 
-// In the docked base: what is the dock's own.
-std::vector<geometry::Vec2> BodyOf(std::span<const geometry::Vec2> points,
-                                   const geometry::Rigid2& docked_from_points,
-                                   const Dock& dock,
-                                   const core::RobotModel& robot,
-                                   double wider_m) {
+// The face of a dock's body, in the docked base: how far ahead it is, and its
+// middle (m).
+struct BodyFace {
+  double ahead_m = 0;
+  double middle_m = 0;
+};
+
+// Beyond the robot's edge, or where a dock that was moved would be: the nearest
+// things that end within the robot's width on both sides. nullopt: there are
+// none, or they go on.
+std::optional<BodyFace> FaceOf(std::span<const geometry::Vec2> points,
+                               const geometry::Rigid2& docked_from_points,
+                               const Dock& dock,
+                               const core::RobotModel& robot) {
   const double edge_m = dock.is_backward ? robot.rear_m : robot.front_m;
-  std::vector<geometry::Vec2> body;
+  std::vector<geometry::Vec2> ahead;
   for (const geometry::Vec2& from : points) {
-    const geometry::Vec2 point = docked_from_points * from;
-    const double ahead_m = dock.is_backward ? -point.x : point.x;
-    if (ahead_m >= edge_m - kBodyReach_m &&
-        ahead_m <= edge_m + kBodyDepth_m + wider_m &&
-        std::abs(point.y) <= robot.half_width_m + wider_m) {
-      body.push_back(point);
+    geometry::Vec2 point = docked_from_points * from;
+    if (dock.is_backward) point = {-point.x, -point.y};
+    if (point.x >= edge_m - kBodyReach_m &&
+        point.x <= edge_m + kBodyDepth_m + kBodyReach_m &&
+        std::abs(point.y) <= robot.half_width_m) {
+      ahead.push_back(point);
     }
   }
-  return body;
+  if (ahead.size() < kFacePoints) return std::nullopt;
+  std::ranges::sort(ahead, {}, &geometry::Vec2::x);
+  // Noise puts some of them nearer.
+  const double front_m = ahead[kFacePoints / 2].x;
+  const auto end =
+      std::ranges::find_if(ahead, [&](const geometry::Vec2& point) {
+        return point.x > front_m + kFaceDepth_m;
+      });
+  ahead.erase(end, ahead.end());
+  if (ahead.size() < kFacePoints) return std::nullopt;
+  const double middle_x_m = ahead[ahead.size() / 2].x;
+  const auto [right, left] =
+      std::ranges::minmax_element(ahead, {}, &geometry::Vec2::y);
+  if (std::max(left->y, -right->y) > robot.half_width_m - kFaceEnd_m) {
+    return std::nullopt;
+  }
+  return BodyFace{.ahead_m = middle_x_m,
+                  .middle_m = 0.5 * (left->y + right->y)};
 }
 
-// How the dock's body stands now to how it stood in the view; nullopt: as it
-// did, as far as one sees.
-std::optional<geometry::Rigid2> MovedBody(
+// How the dock's body stands now to how it stood in the view, along its way in
+// and to the left; nullopt: as it did, as far as one sees.
+std::optional<geometry::Vec2> MovedBody(
     const Dock& dock, std::span<const geometry::Vec2> scan_in_map,
     const geometry::Rigid2& docked_from_map, const core::RobotModel& robot) {
-  const ScanOutline view = OutlineOf(BodyOf(dock.view, {}, dock, robot, 0), {});
-  const ScanOutline seen = OutlineOf(
-      BodyOf(scan_in_map, docked_from_map, dock, robot, kBodyReach_m), {});
-  if (view.size() < kBodyPoints || seen.size() < kBodyPoints) {
-    return std::nullopt;
-  }
-  const ScanMatch match = Match(view, seen,
-                                {.half_extent_m = kBodyReach_m,
-                                 .half_angle_rad = kBodyTurn_rad,
-                                 .guess_sigma_m = kBodyReach_m,
-                                 .guess_sigma_rad = kBodyTurn_rad / 2});
-  const geometry::Rigid2 view_from_seen = match.target_from_scan;
-  if (!IsSure(match, kBodyResponse) ||
-      geometry::Norm(view_from_seen.translation) < kBodyMoved_m) {
-    return std::nullopt;
-  }
-  return view_from_seen.Inverse();
+  const std::optional<BodyFace> before = FaceOf(dock.view, {}, dock, robot);
+  const std::optional<BodyFace> now =
+      FaceOf(scan_in_map, docked_from_map, dock, robot);
+  if (!before.has_value() || !now.has_value()) return std::nullopt;
+  const geometry::Vec2 moved = {now->ahead_m - before->ahead_m,
+                                now->middle_m - before->middle_m};
+  const double moved_m = geometry::Norm(moved);
+  if (moved_m < kBodyMoved_m || moved_m > kBodyReach_m) return std::nullopt;
+  return dock.is_backward ? geometry::Vec2{-moved.x, -moved.y} : moved;
 }
 
 }  // namespace
@@ -172,11 +189,11 @@ std::optional<SeenDock> FindDock(const Dock& dock,
       match.target_from_scan * believed_from_map;
   SeenDock seen = {.map_from_docked = docked_from_map.Inverse(),
                    .response = match.response};
-  const std::optional<geometry::Rigid2> moved =
+  const std::optional<geometry::Vec2> moved =
       MovedBody(dock, scan_in_map, docked_from_map, robot);
   if (moved.has_value()) {
-    seen.map_from_docked = seen.map_from_docked * *moved;
-    seen.moved_m = geometry::Norm(moved->translation);
+    seen.map_from_docked = seen.map_from_docked * geometry::Rigid2{*moved, 0};
+    seen.moved_m = geometry::Norm(*moved);
   }
   return seen;
 }
@@ -189,6 +206,17 @@ std::optional<geometry::Rigid2> PlaceInDock(
             {.half_extent_m = kViewReach_m, .half_angle_rad = kViewTurn_rad});
   if (!IsSure(match, kInDockResponse)) return std::nullopt;
   return dock.map_from_docked * match.target_from_scan;
+}
+
+std::shared_ptr<const localization::KnownThings> ThingsAt(
+    std::span<const Dock> docks) {
+  auto things = std::make_shared<localization::KnownThings>();
+  for (const Dock& dock : docks) {
+    std::vector<geometry::Vec2> in_map = dock.view;
+    for (geometry::Vec2& point : in_map) point = dock.map_from_docked * point;
+    things->Add(dock.level, in_map);
+  }
+  return things;
 }
 
 }  // namespace treeline::docking

@@ -3,6 +3,7 @@
 #ifndef NAV_AGENT_DOCKING_DOCK_VIEW_H_
 #define NAV_AGENT_DOCKING_DOCK_VIEW_H_
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/docking/dock.h"
+#include "nav_agent/localization/known_things.h"
 
 namespace treeline::docking {
 
@@ -59,6 +61,10 @@ std::optional<SeenDock> FindDock(const Dock& dock,
 // base (m). nullopt: it sees something else.
 std::optional<geometry::Rigid2> PlaceInDock(
     const Dock& dock, std::span<const geometry::Vec2> scan_in_base);
+
+// What docks' views show.
+std::shared_ptr<const localization::KnownThings> ThingsAt(
+    std::span<const Dock> docks);
 
 }  // namespace treeline::docking
 
