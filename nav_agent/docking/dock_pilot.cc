@@ -167,9 +167,8 @@ void DockPilot::FollowDocks(behavior::Navigator& navigator) {
     End(DockingOutcome::kFailed, "the dock was removed");
     return;
   }
-  const bool is_moved = !IsSamePlace(*found, dock_);
-  dock_ = *found;
-  if (!is_moved) return;
+  const Dock before = std::exchange(dock_, *found);
+  if (IsSamePlace(before, dock_)) return;
   events_.Add("dock", absl::StrCat("dock '", dock_.name, "' was moved"));
   const absl::Status sent = GoToStaging(navigator);
   if (!sent.ok()) End(DockingOutcome::kFailed, std::string(sent.message()));

