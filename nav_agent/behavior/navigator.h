@@ -100,7 +100,7 @@ class Navigator {
   // it do not see another place. In the place of those told before; without a
   // map it means nothing.
   virtual void SetKnownThings(
-      std::shared_ptr<const localization::KnownThings> /*things*/) {}
+      const std::shared_ptr<const localization::KnownThings>& /*things*/) {}
   // The robot is told where it is.
   virtual absl::Status SetPose(
       const core::LevelPose& pose,

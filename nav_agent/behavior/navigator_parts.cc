@@ -40,8 +40,8 @@ class NavigatorOfParts final : public Navigator {
   absl::Status Steer(const SteeringCommand& steering) override;
   absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
   void SetKnownThings(
-      std::shared_ptr<const localization::KnownThings> things) override {
-    parts_.tracker->SetKnownThings(std::move(things));
+      const std::shared_ptr<const localization::KnownThings>& things) override {
+    parts_.tracker->SetKnownThings(things);
   }
   absl::Status SetPose(
       const core::LevelPose& pose,

@@ -55,8 +55,9 @@ class AmclTracker final : public RobotTracker {
   absl::Status SetPose(const core::LevelPose& pose,
                        const PoseCovariance2& covariance,
                        base::MonotonicTime now) override;
-  void SetKnownThings(std::shared_ptr<const KnownThings> things) override {
-    parts_.detector.SetKnownThings(std::move(things));
+  void SetKnownThings(
+      const std::shared_ptr<const KnownThings>& things) override {
+    parts_.detector.SetKnownThings(things);
   }
   void StartGlobalLocalization(base::MonotonicTime now) override;
   std::optional<TrackedPose> Pose() const override;

@@ -88,7 +88,8 @@ class RobotTracker {
                                const PoseCovariance2& covariance,
                                base::MonotonicTime now) = 0;
   // What the verdict does not hold against the place; null: nothing.
-  virtual void SetKnownThings(std::shared_ptr<const KnownThings> /*things*/) {}
+  virtual void SetKnownThings(
+      const std::shared_ptr<const KnownThings>& /*things*/) {}
   // AMCL looks for the robot everywhere.
   virtual void StartGlobalLocalization(base::MonotonicTime now) = 0;
 

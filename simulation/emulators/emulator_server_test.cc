@@ -3,6 +3,8 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -45,14 +47,16 @@ class Counter final : public EmulatedDevice {
 TEST(EmulatorServerTest, ALateReaderMissesWholeLinesAndGetsNoneTorn) {
   const base::SteadyClock clock;
   Counter counter;
-  auto server = EmulatorServer::Start({.listen = PtyAddress{}}, counter, clock);
+  auto server = EmulatorServer::Start({.listen = PtyAddress{}, .faults = {}},
+                                      counter, clock);
   ASSERT_TRUE(server.ok()) << server.status();
   auto opener = stream::ParseStreamAddress((*server)->address(), 115200);
   ASSERT_TRUE(opener.ok()) << opener.status();
   auto port = (*opener)->Open({});
   ASSERT_TRUE(port.ok()) << port.status();
   // More than fits: the server waits for this reader in the middle of a line.
-  ASSERT_TRUE(Eventually([&] { return (*server)->sent() >= 5 * kLine; }));
+  ASSERT_TRUE(Eventually(
+      [&] { return (*server)->sent() >= static_cast<int64_t>(5 * kLine); }));
   const int before = counter.said;
   ASSERT_TRUE(Eventually([&] { return counter.said >= before + 5; }));
   std::string text;
