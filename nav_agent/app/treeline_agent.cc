@@ -12,6 +12,7 @@
 #include "nav_agent/app/navigate/navigate_command.h"
 #include "nav_agent/app/plan/plan_command.h"
 #include "nav_agent/app/robot/robot_command.h"
+#include "nav_agent/app/ros/any_robot_file.h"
 #include "nav_agent/app/route/route_command.h"
 #include "nav_agent/app/run/run_command.h"
 #include "nav_agent/app/score/score_command.h"
@@ -44,7 +45,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           calibrate_app::AddCalibrateCommand(app),
           robot_app::AddRobotCommand(app),
           suite_app::AddSuiteCommand(app),
-          bridge_app::AddBridgeCommand(app)};
+          bridge_app::AddBridgeCommand(app, ros_app::ReadSensorsOfFile)};
 }
 
 }  // namespace

@@ -96,6 +96,11 @@ class Navigator {
   // and so without zones.
   virtual absl::Status SetZones(
       std::shared_ptr<const zones::ZoneMap> zones) = 0;
+  // What stands there and is not on the map, docks above all: lasers that see
+  // it do not see another place. In the place of those told before; without a
+  // map it means nothing.
+  virtual void SetKnownThings(
+      const std::shared_ptr<const localization::KnownThings>& /*things*/) {}
   // The robot is told where it is.
   virtual absl::Status SetPose(
       const core::LevelPose& pose,

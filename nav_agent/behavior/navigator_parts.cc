@@ -39,6 +39,10 @@ class NavigatorOfParts final : public Navigator {
   absl::Status Drive(const core::VelocityCommand& wanted) override;
   absl::Status Steer(const SteeringCommand& steering) override;
   absl::Status SetZones(std::shared_ptr<const zones::ZoneMap> zones) override;
+  void SetKnownThings(
+      const std::shared_ptr<const localization::KnownThings>& things) override {
+    parts_.tracker->SetKnownThings(things);
+  }
   absl::Status SetPose(
       const core::LevelPose& pose,
       const localization::PoseCovariance2& covariance) override;
@@ -435,16 +439,14 @@ absl::Status NavigatorOfParts::CancelGoal(uint64_t id) {
 
 void NavigatorOfParts::Pause() {
   events_.SetTime(clock_.Now());
-  if (is_paused_) return;
-  is_paused_ = true;
+  if (std::exchange(is_paused_, true)) return;
   runner_.Suspend();
   events_.Add("pause", "stands until it is told to go on");
 }
 
 void NavigatorOfParts::Resume() {
   events_.SetTime(clock_.Now());
-  if (!is_paused_) return;
-  is_paused_ = false;
+  if (!std::exchange(is_paused_, false)) return;
   events_.Add("resume", "goes on");
 }
 
@@ -557,13 +559,13 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.bubbles = parts_.controller->Bubbles();
   shot.blockages = runner_.blockages().All();
   if (last_scan_.has_value()) {
-    const std::optional<localization::TrackedPose> pose =
-        parts_.tracker->PoseAt(last_scan_->stamp);
-    if (pose.has_value()) {
-      shot.scan_in_map = ScanEndsInMap(*last_scan_, devices_.laser.Info(),
-                                       robot_.base_from_laser,
-                                       pose->pose.map_from_base, 1, false);
-    }
+    const auto ends_in = [this](const geometry::Rigid2& frame_from_base) {
+      return ScanEndsInMap(*last_scan_, devices_.laser.Info(),
+                           robot_.base_from_laser, frame_from_base, 1, false);
+    };
+    shot.scan_in_base = ends_in({});
+    const auto pose = parts_.tracker->PoseAt(last_scan_->stamp);
+    if (pose.has_value()) shot.scan_in_map = ends_in(pose->pose.map_from_base);
   }
   shot.particles = parts_.tracker->Particles(kShownParticles);
   shot.costmap = parts_.controller->Costmap();

@@ -101,7 +101,8 @@ struct NavigatorSnapshot {
   std::vector<geometry::Vec2> tree_edges;
   std::vector<control::Bubble> bubbles;
   std::vector<planning::Blockage> blockages;
-  // The newest scan's end points in the map.
+  // The newest scan's end points in the robot's base, and in the map.
+  std::vector<geometry::Vec2> scan_in_base;
   std::vector<geometry::Vec2> scan_in_map;
   std::vector<localization::Particle> particles;
   control::CostmapView costmap;

@@ -37,16 +37,16 @@ class FakeSensor : public Port {
 
 class FakeLaser final : public FakeSensor<core::RangeSensor, core::LaserScan> {
  public:
-  core::RangeSensorInfo Info() const override {
-    return {.angle_min_rad = -1.5,
-            .angle_increment_rad = 0.1,
-            .beams = 31,
-            .range_min_m = 0.1,
-            .range_max_m = 30,
-            .beam_interval_s = 0,
-            .scan_interval_s = 0.025};
-  }
+  core::RangeSensorInfo Info() const override { return info; }
   std::vector<core::LaserScan> TakeScans() override { return TakeAll(); }
+
+  core::RangeSensorInfo info = {.angle_min_rad = -1.5,
+                                .angle_increment_rad = 0.1,
+                                .beams = 31,
+                                .range_min_m = 0.1,
+                                .range_max_m = 30,
+                                .beam_interval_s = 0,
+                                .scan_interval_s = 0.025};
 };
 
 class FakeOdometry final

@@ -326,6 +326,14 @@ absl::Status RobotDescription::Validate() const {
   return absl::OkStatus();
 }
 
+absl::StatusOr<ContactEnd> ContactEndOf(absl::string_view name) {
+  if (name.empty()) return ContactEnd::kUnsaid;
+  if (name == "front") return ContactEnd::kFront;
+  if (name == "rear") return ContactEnd::kRear;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "charging_contacts is '", name, "'; it must be front or rear"));
+}
+
 std::vector<std::string> RobotNames() {
   return {"rmp100", "jackal", "turtlebot3"};
 }
@@ -355,7 +363,8 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
                                      "laser",
                                      "rear_laser",
                                      "camera",
-                                     "odometry"}));
+                                     "odometry",
+                                     "charging_contacts"}));
   TL_ASSIGN_OR_RETURN(const std::string like, file.TextOr("like", "rmp100"));
   const RobotDescription* known = FindRobot(like);
   if (known == nullptr) return file.Error(UnknownRobot(like).message());
@@ -366,6 +375,11 @@ absl::StatusOr<RobotDescription> ParseRobot(absl::string_view text,
   TL_RETURN_IF_ERROR(ReadLasers(file, robot));
   TL_RETURN_IF_ERROR(ReadCamera(file, robot.model));
   TL_RETURN_IF_ERROR(ReadOdometry(file, robot));
+  TL_ASSIGN_OR_RETURN(const std::string contacts,
+                      file.TextOr("charging_contacts", ""));
+  const absl::StatusOr<ContactEnd> end = ContactEndOf(contacts);
+  if (!end.ok()) return file.Error(end.status().message());
+  robot.contacts = *end;
   const absl::Status valid = robot.Validate();
   if (!valid.ok()) return file.Error(valid.message());
   return robot;

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_CORE_ROBOT_FILE_H_
 #define NAV_AGENT_CORE_ROBOT_FILE_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,12 @@ struct SensorCorrection {
   absl::Status Validate() const;
 };
 
+// At which end its charging contacts are; kUnsaid: each dock says so.
+enum class ContactEnd : uint8_t { kUnsaid, kFront, kRear };
+// "", "front" or "rear", as robots' files have it. INVALID_ARGUMENT: none of
+// them.
+absl::StatusOr<ContactEnd> ContactEndOf(absl::string_view name);
+
 struct RobotDescription {
   std::string name;
   RobotModel model;
@@ -40,6 +47,7 @@ struct RobotDescription {
   SensorCorrection correction{};
   // nullopt: nobody measured it.
   std::optional<MeasuredOdometryNoise> noise{};
+  ContactEnd contacts = ContactEnd::kUnsaid;
 
   absl::Status Validate() const;
 };

@@ -99,6 +99,17 @@ TEST(RobotFile, SaysHowNoisyOdometryIs) {
   }
 }
 
+TEST(RobotFile, SaysAtWhichEndContactsAre) {
+  EXPECT_EQ(ReadRobot("rmp100")->contacts, ContactEnd::kUnsaid);
+  EXPECT_EQ(ParseRobot("charging_contacts: rear", "a.yaml")->contacts,
+            ContactEnd::kRear);
+  EXPECT_EQ(ParseRobot("charging_contacts: front", "a.yaml")->contacts,
+            ContactEnd::kFront);
+  EXPECT_THAT(
+      ParseRobot("charging_contacts: left", "a.yaml").status().message(),
+      HasSubstr("must be front or rear"));
+}
+
 TEST(RobotFile, MistakesAreNamedWithTheirLines) {
   EXPECT_THAT(ParseRobot("like: r2d2", "a.yaml").status().message(),
               HasSubstr("there is no robot 'r2d2'; there are rmp100, jackal, "

@@ -17,6 +17,8 @@ namespace {
 // No building is larger (m); and no heading needs more turns (rad).
 constexpr double kFarthest_m = 1e5;
 constexpr double kMostYaw_rad = 1e3;
+// No laser sees further (m).
+constexpr double kFarthestView_m = 1e3;
 
 absl::Status CheckOnGround(const traversability::TraversableLevel& level,
                            geometry::Vec2 at, const char* which) {
@@ -55,6 +57,12 @@ absl::Status CheckParts(const Dock& dock,
                      "must be ",
                      kMinStaging_m, "..", kMaxStaging_m));
   }
+  if (dock.view.size() > kMaxViewPoints ||
+      !std::ranges::all_of(dock.view, [](const geometry::Vec2& point) {
+        return geometry::Norm(point) <= kFarthestView_m;
+      })) {
+    return absl::InvalidArgumentError("has a view that is none");
+  }
   if (dock.level < 0 || static_cast<size_t>(dock.level) >= map.levels.size()) {
     return absl::InvalidArgumentError(absl::StrCat("is on level ", dock.level,
                                                    "; the map has 0..",
@@ -66,6 +74,12 @@ absl::Status CheckParts(const Dock& dock,
 }
 
 }  // namespace
+
+bool IsSamePlace(const Dock& a, const Dock& b) {
+  return a.name == b.name && a.map_from_docked == b.map_from_docked &&
+         a.level == b.level && a.is_backward == b.is_backward &&
+         a.staging_m == b.staging_m;
+}
 
 double DefaultStaging_m(const core::RobotModel& robot) {
   return robot.Circumradius_m() + kStagingRoom_m;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -26,11 +27,18 @@ struct Dock {
   // From the docked pose straight back the way it came, to the pose that it
   // drives to before it drives in (m).
   double staging_m = 0;
+  // What the laser saw of a robot that stood in it: where beams ended, in the
+  // docked base, counter-clockwise (m). Empty: no robot has looked yet.
+  std::vector<geometry::Vec2> view = {};
 
   bool operator==(const Dock&) const = default;
 };
 
+// All but what is seen from it.
+bool IsSamePlace(const Dock& a, const Dock& b);
+
 inline constexpr size_t kMaxDocks = 100;
+inline constexpr size_t kMaxViewPoints = 2000;
 inline constexpr size_t kMaxDockNameBytes = 64;
 inline constexpr double kMinStaging_m = 0.2;
 inline constexpr double kMaxStaging_m = 5;

@@ -27,6 +27,12 @@ constexpr double kNear_m = kTolerance_m / 4;
 constexpr double kStands_s = 1;
 // A battery that does not charge any more (of a full one).
 constexpr double kFull = 0.99;
+// So far the estimate of a robot that charges may move (m, rad).
+constexpr double kDrifted_m = 0.08;
+constexpr double kDrifted_rad = 0.1;
+// What a view of its dock tells a robot: 2 cm, 1 degree (m^2, rad^2).
+constexpr localization::PoseCovariance2 kWokenCovariance = {
+    4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 3e-4};
 
 bool IsActive(const std::optional<behavior::GoalStatus>& goal) {
   return goal.has_value() && (goal->state == GoalState::kAccepted ||
@@ -130,11 +136,14 @@ void DockPilot::Step(behavior::Navigator& navigator, base::MonotonicTime now,
   is_full_ = battery.has_value() && battery->charge.value_or(0) >= kFull;
   if (is_halted_) return;
   FollowDocks(navigator);
+  TellThings(navigator);
+  WakeUp(navigator);
   LookAtGoal(navigator);
   switch (status_.state) {
     case DockingState::kAway:
     case DockingState::kDocked:
       LookWhereItIs(navigator);
+      LearnView(navigator);
       break;
     case DockingState::kToStaging:
       StepToStaging(navigator);
@@ -158,8 +167,8 @@ void DockPilot::FollowDocks(behavior::Navigator& navigator) {
     End(DockingOutcome::kFailed, "the dock was removed");
     return;
   }
-  if (*found == dock_) return;
-  dock_ = *found;
+  const Dock before = std::exchange(dock_, *found);
+  if (IsSamePlace(before, dock_)) return;
   events_.Add("dock", absl::StrCat("dock '", dock_.name, "' was moved"));
   const absl::Status sent = GoToStaging(navigator);
   if (!sent.ok()) End(DockingOutcome::kFailed, std::string(sent.message()));
@@ -179,6 +188,7 @@ void DockPilot::StepToStaging(behavior::Navigator& navigator) {
     End(DockingOutcome::kCancelled, "another goal took its place");
   } else if (goal->state == GoalState::kSucceeded) {
     charged_before_ = charging_ == core::Charging::kYes;
+    is_move_told_ = false;
     Enter(DockingState::kDrivingIn);
   } else if (goal->state == GoalState::kCancelled) {
     End(DockingOutcome::kCancelled, goal->why);
@@ -229,21 +239,36 @@ bool DockPilot::MaySteer(behavior::Navigator& navigator) {
 
 void DockPilot::StepIn(behavior::Navigator& navigator) {
   const core::LevelPose robot = *PoseOf(navigator);
-  const DockOffset off = OffsetFrom(dock_, robot.map_from_base);
   if (robot.place.level != dock_.level) {
     FailTry("it is on another level");
     return;
   }
+  LookForDock(navigator);
+  const DockOffset off = OffsetFrom(seen_, robot.map_from_base);
   if (!charged_before_ && charging_ == core::Charging::kYes &&
-      IsAt(dock_, robot)) {
-    Arrive(navigator, off, "it charges");
-    return;
-  }
-  if (status_.state == DockingState::kTouching) {
+      IsAt(seen_, robot)) {
+    StepCharging(navigator, off);
+  } else if (status_.state == DockingState::kTouching) {
     StepTouching(navigator, off);
   } else {
     StepInAt(navigator, off);
   }
+}
+
+void DockPilot::StepCharging(behavior::Navigator& navigator,
+                             const DockOffset& off) {
+  if (!contact_along_m_.has_value()) {
+    contact_along_m_ = off.along_m;
+    got_on_.reset();
+  }
+  NoteProgress(off.along_m, off.turned_rad);
+  if (off.along_m >= -kTolerance_m || Stood_s() > kStands_s ||
+      off.along_m >= *contact_along_m_ + kPress_m) {
+    Arrive(navigator, off, "it charges");
+    return;
+  }
+  Steer(navigator, seen_, DriveIn(seen_, off, robot_),
+        absl::StrCat("drives into dock '", dock_.name, "'"));
 }
 
 void DockPilot::StepInAt(behavior::Navigator& navigator,
@@ -259,7 +284,7 @@ void DockPilot::StepInAt(behavior::Navigator& navigator,
       FailTry("it cannot turn there");
       return;
     }
-    Steer(navigator, dock_, TurnStraight(off), what);
+    Steer(navigator, seen_, TurnStraight(off), what);
     return;
   }
   is_straight_ = true;
@@ -269,12 +294,12 @@ void DockPilot::StepInAt(behavior::Navigator& navigator,
                               -off.along_m));
       return;
     }
-    Steer(navigator, dock_, DriveIn(dock_, off, robot_), what);
+    Steer(navigator, seen_, DriveIn(seen_, off, robot_), what);
     return;
   }
   if (charging_ == core::Charging::kNo && !is_full_) {
     Enter(DockingState::kTouching);
-    Steer(navigator, dock_, PressOn(dock_), what);
+    Steer(navigator, seen_, PressOn(seen_), what);
   } else if (std::abs(off.aside_m) > kTolerance_m) {
     FailTry(absl::StrCat("it came in ", OffText(off)));
   } else {
@@ -290,8 +315,8 @@ void DockPilot::StepTouching(behavior::Navigator& navigator,
         absl::StrCat("the battery does not charge: it stood ", OffText(off)));
     return;
   }
-  Steer(navigator, dock_,
-        off.along_m < kPress_m ? PressOn(dock_) : core::VelocityCommand{},
+  Steer(navigator, seen_,
+        off.along_m < kPress_m ? PressOn(seen_) : core::VelocityCommand{},
         absl::StrCat("looks for the contact of dock '", dock_.name, "'"));
 }
 
@@ -306,7 +331,8 @@ void DockPilot::FailTry(const std::string& why) {
 
 void DockPilot::StepOut(behavior::Navigator& navigator) {
   const bool is_leaving = status_.state == DockingState::kDrivingOut;
-  const Dock& dock = is_leaving ? out_of_ : dock_;
+  const Dock dock =
+      sight_.Look(is_leaving ? out_of_ : dock_, navigator.Snapshot(), now_);
   const DockOffset off = OffsetFrom(dock, PoseOf(navigator)->map_from_base);
   NoteProgress(-off.along_m, 0);
   const bool is_out = -off.along_m >= dock.staging_m - kAtDock_m;
@@ -332,7 +358,9 @@ void DockPilot::Arrive(behavior::Navigator& navigator, const DockOffset& off,
                        const std::string& by) {
   // The goal of its staging pose may not be over: it was there already.
   (void)navigator.CancelGoal(goal_id_);
-  End(DockingOutcome::kSucceeded, absl::StrCat(by, ", ", OffText(off)));
+  End(DockingOutcome::kSucceeded,
+      absl::StrCat(by, ", ", OffText(off),
+                   sight_.seen().has_value() ? ", as it sees" : ""));
   status_.state = DockingState::kDocked;
   status_.dock = dock_.name;
 }
@@ -401,6 +429,88 @@ void DockPilot::EndOut(const std::string& why_not) {
   looked_.reset();
 }
 
+// ---- what it sees ----
+
+void DockPilot::TellThings(behavior::Navigator& navigator) {
+  if (told_ == docks_) return;
+  told_ = docks_;
+  navigator.SetKnownThings(ThingsAt(*docks_));
+}
+
+void DockPilot::WakeUp(behavior::Navigator& navigator) {
+  if (charging_ != core::Charging::kYes || docks_->empty()) {
+    charges_at_.reset();
+    return;
+  }
+  const behavior::NavigatorSnapshot shot = navigator.Snapshot();
+  const bool is_lost = IsLost(navigator.mode()) || !shot.pose.has_value();
+  if (shot.pose.has_value() && !IsStill(shot)) charges_at_.reset();
+  if (!is_lost && !charges_at_.has_value()) {
+    if (IsDocked() && IsStill(shot)) charges_at_ = shot.pose->pose;
+    return;
+  }
+  if (woke_.has_value() && base::SecondsBetween(*woke_, now_) < kLookEvery_s) {
+    return;
+  }
+  woke_ = now_;
+  if (charges_at_.has_value()) {
+    HoldWhereItCharges(navigator, is_lost, shot);
+    return;
+  }
+  const std::optional<core::LevelPose> found = DockSight::FindIn(*docks_, shot);
+  if (!found.has_value() || !navigator.SetPose(*found, kWokenCovariance).ok()) {
+    return;
+  }
+  looked_.reset();
+  events_.Add("dock", "charges and sees its dock: it knows where it is");
+}
+
+// Where a dock hides most of the room, what is left of it moves the estimate.
+void DockPilot::HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
+                                   const behavior::NavigatorSnapshot& shot) {
+  if (!is_lost) {
+    const geometry::Rigid2 off =
+        charges_at_->map_from_base.Inverse() * shot.pose->pose.map_from_base;
+    if (geometry::Norm(off.translation) <= kDrifted_m &&
+        std::abs(off.yaw_rad) <= kDrifted_rad) {
+      return;
+    }
+  }
+  if (!navigator.SetPose(*charges_at_, kWokenCovariance).ok()) return;
+  looked_.reset();
+  if (is_lost) {
+    events_.Add("dock", "it charges where it did: it has not been carried");
+  }
+}
+
+void DockPilot::LearnView(const behavior::Navigator& navigator) {
+  const auto dock = std::ranges::find(*docks_, status_.dock, &Dock::name);
+  if (!IsDocked() || dock == docks_->end() || IsLost(navigator.mode())) {
+    sight_.ForgetLearned();
+    return;
+  }
+  if (!dock->view.empty()) return;
+  learned_ = sight_.Learn(*dock, navigator.Snapshot());
+  if (!learned_.has_value()) return;
+  std::vector<Dock> docks = *docks_;
+  docks[static_cast<size_t>(dock - docks_->begin())] = *learned_;
+  docks_ = std::make_shared<const std::vector<Dock>>(std::move(docks));
+  events_.Add("dock", absl::StrCat("knows what is seen from dock '",
+                                   learned_->name, "'"));
+}
+
+void DockPilot::LookForDock(const behavior::Navigator& navigator) {
+  seen_ = sight_.Look(dock_, navigator.Snapshot(), now_);
+  if (is_move_told_ || !sight_.seen().has_value() ||
+      sight_.seen()->moved_m == 0) {
+    return;
+  }
+  is_move_told_ = true;
+  events_.Add("dock",
+              absl::StrFormat("dock '%s' was moved by %.1f cm: follows",
+                              dock_.name, 100 * sight_.seen()->moved_m));
+}
+
 // ---- all ----
 
 void DockPilot::LookWhereItIs(const behavior::Navigator& navigator) {
@@ -461,6 +571,7 @@ void DockPilot::Release(const behavior::Navigator& navigator) {
 void DockPilot::Enter(DockingState state) {
   status_.state = state;
   got_on_.reset();
+  contact_along_m_.reset();
   is_straight_ = false;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -15,6 +16,7 @@
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/core/battery.h"
 #include "nav_agent/docking/dock.h"
+#include "nav_agent/docking/dock_sight.h"
 #include "nav_agent/docking/docking_status.h"
 
 namespace treeline::docking {
@@ -33,10 +35,15 @@ using Docks = std::shared_ptr<const std::vector<Dock>>;
 // out, to the staging pose, before any goal is driven, whoever set it. If
 // something holds it there, its goal drives it as it can.
 //
+// Where a robot has stood in a dock, it knows what the laser sees there
+// (Dock::view), and goes by that from the staging pose on. A robot that charges
+// and does not know where it is, is told so by that.
+//
 // Not thread-safe: everything is called by the thread that steps the navigator.
 class DockPilot {
  public:
-  explicit DockPilot(const core::RobotModel& robot) : robot_(robot) {}
+  explicit DockPilot(const core::RobotModel& robot)
+      : robot_(robot), sight_(robot) {}
 
   // Those there are; never null. A dock that is gone while it is driven to ends
   // that; one that was moved is driven to where it is now.
@@ -53,6 +60,10 @@ class DockPilot {
   absl::Status DriveOut(behavior::Navigator& navigator);
   // NOT_FOUND: there is no docking, and it does not drive out by itself.
   absl::Status Cancel(behavior::Navigator& navigator);
+  // A dock whose view is known now, to be kept; once.
+  std::optional<Dock> TakeLearned() {
+    return std::exchange(learned_, std::nullopt);
+  }
   // For the end of the program, before the navigator halts.
   void Halt() { is_halted_ = true; }
 
@@ -83,6 +94,8 @@ class DockPilot {
   void StepToStaging(behavior::Navigator& navigator);
   void StepIn(behavior::Navigator& navigator);
   void StepInAt(behavior::Navigator& navigator, const DockOffset& off);
+  // The battery has begun to charge: a little further, to stand well.
+  void StepCharging(behavior::Navigator& navigator, const DockOffset& off);
   void StepTouching(behavior::Navigator& navigator, const DockOffset& off);
   void StepOut(behavior::Navigator& navigator);
   void FailTry(const std::string& why);
@@ -96,6 +109,15 @@ class DockPilot {
   void EndOut(const std::string& why_not);
   // The goal there is drives as it can from now on.
   void Release(const behavior::Navigator& navigator);
+  // ---- what it sees ----
+  // The navigator knows what stands at the docks.
+  void TellThings(behavior::Navigator& navigator);
+  void WakeUp(behavior::Navigator& navigator);
+  void HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
+                          const behavior::NavigatorSnapshot& shot);
+  void LearnView(const behavior::Navigator& navigator);
+  // dock_ as it is seen.
+  void LookForDock(const behavior::Navigator& navigator);
   // ---- all ----
   void LookWhereItIs(const behavior::Navigator& navigator);
   bool IsSteered() const;
@@ -115,7 +137,17 @@ class DockPilot {
   Docks docks_ = std::make_shared<const std::vector<Dock>>();
   behavior::EventLog events_;
   DockingStatus status_;
+  DockSight sight_;
+  // That it drives to, and the same where it is seen.
   Dock dock_;
+  Dock seen_;
+  bool is_move_told_ = false;
+  std::optional<Dock> learned_;
+  // What the navigator knows of; when it was last looked for a robot in one.
+  Docks told_;
+  std::optional<base::MonotonicTime> woke_;
+  // Where it stands still since it charges, if it knows: it was not carried.
+  std::optional<core::LevelPose> charges_at_;
   base::MonotonicTime now_;
   core::Charging charging_ = core::Charging::kUnknown;
   bool is_full_ = false;
@@ -126,6 +158,8 @@ class DockPilot {
   // It charged before it drove in, if one believes that: no contact shows.
   bool charged_before_ = false;
   bool is_straight_ = false;
+  // Where the battery began to charge (m).
+  std::optional<double> contact_along_m_;
   std::string failed_why_;
   // Where it got on last, and when.
   DockOffset best_;

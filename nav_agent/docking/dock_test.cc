@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "absl/strings/str_split.h"
+#include "common/base/checked_lines.h"
 #include "gmock/gmock.h"
 #include "nav_agent/docking/dock_drive.h"
 #include "nav_agent/docking/dock_file.h"
@@ -99,6 +101,41 @@ TEST(Dock, IsReadAsItWasWritten) {
   std::string changed = text;
   changed[changed.find('5')] = '6';
   EXPECT_FALSE(ParseDockFile(changed).ok());
+}
+
+TEST(Dock, WhatIsSeenFromItIsKeptInMillimetres) {
+  Dock dock = Charger();
+  dock.view = {{1.2344, -0.0006}, {-3, 0.25}};
+  Dock other = Charger();
+  other.name = "seen 1 2";
+  const std::string text = DockFileText(std::vector<Dock>{dock, other});
+  EXPECT_THAT(text, HasSubstr("\nseen 1234 -1 -3000 250\n"));
+  const auto read = ParseDockFile(text);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->size(), 2u);
+  EXPECT_EQ(read->front().view,
+            (std::vector<geometry::Vec2>{{1.234, -0.001}, {-3, 0.25}}));
+  EXPECT_TRUE(IsSamePlace(read->front(), dock));
+  EXPECT_EQ(read->back(), other);
+  EXPECT_EQ(DockFileText(*read), text);
+  for (const char* lines : {"seen 1 2", "dock 0 1 2 3 forward 1 a\nseen 1",
+                            "dock 0 1 2 3 forward 1 a\nseen 1 x",
+                            "dock 0 1 2 3 forward 1 a\nseen 1 2\nseen 3 4"}) {
+    EXPECT_FALSE(
+        ParseDockFile(base::CheckedLinesText("treeline-docks 2",
+                                             absl::StrSplit(lines, '\n')))
+            .ok())
+        << lines;
+  }
+  // Of before there were views.
+  const auto old = ParseDockFile(base::CheckedLinesText(
+      "treeline-docks 1", {"dock 0 5 5 0 forward 0.8 charger"}));
+  ASSERT_TRUE(old.ok()) << old.status();
+  EXPECT_EQ(old->front(), Charger());
+  dock.view.assign(kMaxViewPoints + 1, {});
+  EXPECT_THAT(Wrong(dock), HasSubstr("view"));
+  dock.view = {{std::numeric_limits<double>::quiet_NaN(), 0}};
+  EXPECT_THAT(Wrong(dock), HasSubstr("view"));
 }
 
 TEST(Dock, TheRobotIsSeenFromTheWayInWhicheverEndIsAhead) {

@@ -31,6 +31,39 @@ inline constexpr base::Parameter<double> kStagingRoom_m{
     "between the robot's circle at its staging pose and the docked pose: way "
     "enough to come from the tolerance of a goal onto the line"};
 
+// ---- what the laser sees from it ----
+
+inline constexpr base::Parameter<int> kViewScans{
+    "view_scans", 20, "", base::ParameterOrigin::kTuned,
+    "of a robot that stands in its dock, for its view: a centimetre of noise "
+    "becomes 2 mm, and it is done before a verdict that it is lost"};
+inline constexpr base::Parameter<double> kViewReach_m{
+    "view_reach", 0.2, "m", base::ParameterOrigin::kTuned,
+    "so far off its view is looked for: twice what localization was seen off"};
+inline constexpr base::Parameter<double> kViewTurn_rad{
+    "view_turn", 0.14, "rad", base::ParameterOrigin::kTuned,
+    "the same of the heading, 8 degrees"};
+inline constexpr base::Parameter<double> kViewResponse{
+    "view_response", 0.5, "", base::ParameterOrigin::kTuned,
+    "of the scan's points, so many lie on the view's: the rest is what has "
+    "moved since, and what the dock hides from there"};
+inline constexpr base::Parameter<double> kInDockResponse{
+    "in_dock_response", 0.7, "", base::ParameterOrigin::kTuned,
+    "the same of a robot that would stand in it: it sees all of that"};
+inline constexpr base::Parameter<double> kViewStd_m{
+    "view_std", 0.04, "m", base::ParameterOrigin::kTuned,
+    "by the matcher's careful word: in rooms it says 1 to 2 cm, along a bare "
+    "corridor, where the laser does not tell where, 12"};
+inline constexpr base::Parameter<double> kSeenFor_s{
+    "view_seen_for", 1, "s", base::ParameterOrigin::kTuned,
+    "so long it goes by where it saw the dock last"};
+inline constexpr base::Parameter<double> kBodyReach_m{
+    "dock_moved_reach", 0.1, "m", base::ParameterOrigin::kTuned,
+    "a dock that was moved further is one for somebody to look at"};
+inline constexpr base::Parameter<double> kBodyMoved_m{
+    "dock_moved", 0.015, "m", base::ParameterOrigin::kTuned,
+    "it was not moved by less: so well its body is seen"};
+
 // ---- the drive ----
 
 inline constexpr base::Parameter<double> kDockSpeed_mps{

@@ -198,6 +198,18 @@ absl::Status LostDetector::SetMap(const LaserMap& map) {
   return absl::OkStatus();
 }
 
+void LostDetector::ExplainByThings(const PlanarEstimate& estimate,
+                                   std::vector<CheckedBeam>& beams) const {
+  if (things_ == nullptr) return;
+  for (CheckedBeam& beam : beams) {
+    if (beam.fit != BeamFit::kShort) continue;
+    const geometry::Vec2 end = estimate.map_from_base * beam.end_in_base;
+    if (!things_->IsNear(estimate.place.level, end)) continue;
+    beam.fit = BeamFit::kExplained;
+    beam.distance_m = std::min(beam.distance_m, KnownThings::kCell_m);
+  }
+}
+
 LostReason LostDetector::ReasonFor(const LostFeatures& features) const {
   if (lifted_.has_value() &&
       base::SecondsBetween(*lifted_, *last_) < kLostReasonMemory_s) {
@@ -246,11 +258,12 @@ absl::StatusOr<LostVerdict> LostDetector::Observe(const LostEvidence& evidence,
     if (interval_s < options_.min_interval_s) return verdict_;
   }
   TL_ASSIGN_OR_RETURN(
-      const std::vector<CheckedBeam> beams,
+      std::vector<CheckedBeam> beams,
       checker_.Check({.map_from_base = evidence.estimate.map_from_base,
                       .pitch_rad = evidence.pitch_rad,
                       .roll_rad = evidence.roll_rad},
                      laser_, base_from_laser_, scan));
+  ExplainByThings(evidence.estimate, beams);
   last_ = evidence.stamp;
   const LostFeatures features =
       maker_.Observe(evidence, beams, filter_.Probability());

@@ -6,11 +6,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
+#include "nav_agent/localization/known_things.h"
 #include "nav_agent/localization/lost_features.h"
 #include "nav_agent/localization/lost_scan_check.h"
 #include "nav_agent/localization/parameters.h"
@@ -154,6 +158,10 @@ class LostDetector {
   absl::Status SetMap(const LaserMap& map);
   // The same with a checker that is there already, of the same options.
   void SetChecker(const ScanChecker& checker) { checker_ = checker; }
+  // Beams that end at these are explained, as by the map; null: none.
+  void SetKnownThings(std::shared_ptr<const KnownThings> things) {
+    things_ = std::move(things);
+  }
 
   const LostVerdict& verdict() const { return verdict_; }
   double log_odds() const { return filter_.log_odds(); }
@@ -162,6 +170,9 @@ class LostDetector {
   LostDetector(ScanChecker checker, const core::RangeSensorInfo& laser,
                const geometry::Rigid3& base_from_laser,
                const LostDetectorOptions& options);
+  // What ends before the map's obstacles, at something that is known.
+  void ExplainByThings(const PlanarEstimate& estimate,
+                       std::vector<CheckedBeam>& beams) const;
   LostReason ReasonFor(const LostFeatures& features) const;
   LostState StateFor(const LostFeatures& features) const;
 
@@ -169,6 +180,7 @@ class LostDetector {
   ScanChecker checker_;
   core::RangeSensorInfo laser_;
   geometry::Rigid3 base_from_laser_;
+  std::shared_ptr<const KnownThings> things_;
   LostFeatureMaker maker_;
   LostFilter filter_;
   std::optional<base::MonotonicTime> last_;

@@ -1,7 +1,9 @@
 #include "nav_agent/localization/lost_detector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -108,6 +110,46 @@ class Drive {
   base::MonotonicTime time_{};
   int scans_ = 0;
 };
+
+// A box 0.3 m before the laser hides most of what it sees.
+core::LaserScan BehindBox(const geometry::Rigid2& truth, uint64_t scan) {
+  base::Random random(8, scan);
+  core::LaserScan hidden =
+      ScanOf(TestingMap(), TestingLaser(), truth, 0.01, random);
+  const core::RangeSensorInfo laser = TestingLaser();
+  for (int i = 0; i < laser.beams; ++i) {
+    const double angle_rad = laser.AngleOf_rad(i);
+    if (std::abs(angle_rad) > 1.3) continue;
+    float& range_m = hidden.ranges_m[static_cast<size_t>(i)];
+    range_m = std::min(range_m, static_cast<float>(0.3 / std::cos(angle_rad)));
+  }
+  return hidden;
+}
+
+TEST(LostDetectorTest, KnownThingsAreNotHeldAgainstItsPlace) {
+  auto things = std::make_shared<KnownThings>();
+  std::vector<geometry::Vec2> front;
+  for (double y_m = -1.1; y_m <= 1.1; y_m += 0.02) {
+    front.push_back(kPlace * geometry::Vec2{0.3, y_m});
+  }
+  things->Add(0, front);
+  for (const bool knows : {false, true}) {
+    Drive drive;
+    if (knows) drive.detector().SetKnownThings(things);
+    for (uint64_t i = 0; i < 60; ++i) {
+      ASSERT_TRUE(drive.Show(kPlace, BehindBox(kPlace, i)).ok());
+    }
+    const LostFeatures& features = drive.detector().verdict().features;
+    EXPECT_EQ(features.changed_share > 0.3, !knows) << features.changed_share;
+    EXPECT_EQ(features.explained_share > 0.8, knows);
+    if (knows) {
+      EXPECT_EQ(drive.detector().verdict().state, LostState::kLocalized);
+    }
+  }
+  // On another level they say nothing.
+  EXPECT_FALSE(things->IsNear(1, front.front()));
+  EXPECT_TRUE(things->IsNear(0, front.front()));
+}
 
 TEST(LostDetectorTest, ARobotWhereItBelievesToBeIsLocalized) {
   Drive drive;

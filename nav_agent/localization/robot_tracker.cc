@@ -55,6 +55,10 @@ class AmclTracker final : public RobotTracker {
   absl::Status SetPose(const core::LevelPose& pose,
                        const PoseCovariance2& covariance,
                        base::MonotonicTime now) override;
+  void SetKnownThings(
+      const std::shared_ptr<const KnownThings>& things) override {
+    parts_.detector.SetKnownThings(things);
+  }
   void StartGlobalLocalization(base::MonotonicTime now) override;
   std::optional<TrackedPose> Pose() const override;
   std::optional<TrackedPose> PoseAt(base::MonotonicTime stamp) const override;

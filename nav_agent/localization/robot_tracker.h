@@ -13,6 +13,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/localization/amcl.h"
+#include "nav_agent/localization/known_things.h"
 #include "nav_agent/localization/lost_detector.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/scan_fit.h"
@@ -86,6 +87,9 @@ class RobotTracker {
   virtual absl::Status SetPose(const core::LevelPose& pose,
                                const PoseCovariance2& covariance,
                                base::MonotonicTime now) = 0;
+  // What the verdict does not hold against the place; null: nothing.
+  virtual void SetKnownThings(
+      const std::shared_ptr<const KnownThings>& /*things*/) {}
   // AMCL looks for the robot everywhere.
   virtual void StartGlobalLocalization(base::MonotonicTime now) = 0;
 

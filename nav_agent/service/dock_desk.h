@@ -14,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 #include "nav_agent/core/battery.h"
+#include "nav_agent/core/robot_file.h"
 #include "nav_agent/docking/charge_keeper.h"
 #include "nav_agent/docking/dock_pilot.h"
 #include "nav_agent/service/dock_book.h"
@@ -33,12 +34,18 @@ class DockDesk {
  public:
   // `charge` must be valid.
   DockDesk(std::unique_ptr<DockBook> book, const core::RobotModel& robot,
-           const docking::ChargeOptions& charge)
-      : book_(std::move(book)), pilot_(robot), keeper_(charge) {}
+           const docking::ChargeOptions& charge,
+           core::ContactEnd contacts = core::ContactEnd::kUnsaid)
+      : book_(std::move(book)),
+        pilot_(robot),
+        keeper_(charge),
+        contacts_(contacts) {}
 
   // ---- any thread ----
   DockBook& book() { return *book_; }
   const DockBook& book() const { return *book_; }
+  // A dock that is made is driven into with that end ahead, whatever it says.
+  core::ContactEnd contacts() const { return contacts_; }
 
   // ---- the thread that steps ----
   docking::DockPilot& pilot() { return pilot_; }
@@ -58,6 +65,7 @@ class DockDesk {
     FollowBook();
     keeper_.Step(navigator, pilot_, runner, now, battery);
     pilot_.Step(navigator, now, battery);
+    KeepLearned();
   }
   DockReport Report() const {
     return {.docking = pilot_.status(),
@@ -73,9 +81,22 @@ class DockDesk {
   }
 
  private:
+  // What is seen from a dock is part of it.
+  void KeepLearned() {
+    const std::optional<docking::Dock> learned = pilot_.TakeLearned();
+    if (!learned.has_value()) return;
+    // Somebody may have moved or removed it just now; what cannot be kept for
+    // a restart is looked at again then.
+    const absl::StatusOr<docking::Dock> kept = book_->Find(learned->name);
+    if (kept.ok() && docking::IsSamePlace(*kept, *learned)) {
+      book_->Put({*learned}).IgnoreError();
+    }
+  }
+
   std::unique_ptr<DockBook> book_;
   docking::DockPilot pilot_;
   docking::ChargeKeeper keeper_;
+  const core::ContactEnd contacts_;
   // Of what the pilot knows.
   uint64_t revision_ = 0;
 };

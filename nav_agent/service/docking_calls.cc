@@ -53,8 +53,16 @@ absl::StatusOr<v1::GetDocksResponse> DockingCalls::GetDocks(
 absl::StatusOr<v1::PutDocksResponse> DockingCalls::PutDocks(
     const v1::PutDocksRequest& request) {
   std::vector<docking::Dock> docks;
+  const core::ContactEnd contacts = commands_.docks().contacts();
   for (const v1::Dock& proto : request.docks()) {
     docks.push_back(FromProto(proto, commands_.info().robot));
+    if (contacts == core::ContactEnd::kRear) docks.back().is_backward = true;
+    if (contacts == core::ContactEnd::kFront && docks.back().is_backward) {
+      return wire::FieldError(
+          "docks", absl::StrCat("'", proto.name(),
+                                "' is driven into with the rear first, and the "
+                                "robot's charging contacts are at its front"));
+    }
   }
   if (docks.empty()) return wire::FieldError("docks", "has none");
   if (request.here()) {
@@ -66,6 +74,11 @@ absl::StatusOr<v1::PutDocksResponse> DockingCalls::PutDocks(
     docks.front().level = robot.place.level;
   }
   DockBook& book = commands_.docks().book();
+  // What was seen from one that stays where it is, is seen from it still.
+  for (docking::Dock& dock : docks) {
+    const absl::StatusOr<docking::Dock> kept = book.Find(dock.name);
+    if (kept.ok() && docking::IsSamePlace(*kept, dock)) dock.view = kept->view;
+  }
   TL_ASSIGN_OR_RETURN(const KeptContents<docking::Dock> contents,
                       book.Put(docks));
   v1::PutDocksResponse response;

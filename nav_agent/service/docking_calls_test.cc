@@ -100,6 +100,39 @@ TEST_F(DockingCallsTest, ADockIsMadeWhereTheRobotStandsIfItKnows) {
   EXPECT_EQ(calls.GetDocks({})->docks(0).y_m(), 0.5);
 }
 
+TEST_F(DockingCallsTest, WhatIsSeenFromADockStaysWithItsPlace) {
+  ASSERT_TRUE(Put(Charger()).ok());
+  DockBook& book = agent.commands.docks().book();
+  docking::Dock looked = *book.Find("charger");
+  looked.view = {{1, 2}};
+  ASSERT_TRUE(book.Put({looked}).ok());
+  // As the page sends it, which knows nothing of views.
+  ASSERT_TRUE(Put(calls.GetDocks({})->docks(0)).ok());
+  EXPECT_EQ(book.Find("charger")->view.size(), 1u);
+  v1::Dock moved = Charger();
+  moved.set_x_m(0.6);
+  ASSERT_TRUE(Put(moved).ok());
+  EXPECT_TRUE(book.Find("charger")->view.empty());
+}
+
+TEST_F(DockingCallsTest, TheRobotsContactsSayWhichEndGoesInFirst) {
+  for (const core::ContactEnd end :
+       {core::ContactEnd::kRear, core::ContactEnd::kFront}) {
+    DockDesk desk(std::make_unique<DockBook>(agent.info.map), agent.info.robot,
+                  {}, end);
+    AgentCommands commands(agent.hub, agent.info, nullptr, nullptr, nullptr,
+                           nullptr, &desk);
+    DockingCalls with(commands, 2);
+    v1::PutDocksRequest request;
+    *request.add_docks() = Charger();
+    ASSERT_TRUE(with.PutDocks(request).ok());
+    const bool is_rear = end == core::ContactEnd::kRear;
+    EXPECT_EQ(with.GetDocks({})->docks(0).backward(), is_rear);
+    request.mutable_docks(0)->set_backward(true);
+    EXPECT_EQ(with.PutDocks(request).ok(), is_rear);
+  }
+}
+
 TEST_F(DockingCallsTest, DockingIsToldOfUntilTheRobotStandsThere) {
   EXPECT_EQ(Dock("charger").code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(Dock("").code(), absl::StatusCode::kFailedPrecondition);

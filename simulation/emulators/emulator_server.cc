@@ -115,6 +115,7 @@ void EmulatorServer::Unplug() {
   caller_.reset();
   listener_.reset();
   pty_.reset();
+  unsent_.clear();
   byte_faults_.Forget();
 }
 
@@ -163,6 +164,7 @@ void EmulatorServer::Step(const ActiveFaults& faults,
       buffer, std::clamp(until_event, milliseconds(0), kLongestWait), stop);
   if (!count.ok()) {
     caller_.reset();
+    unsent_.clear();
     byte_faults_.Forget();
     return;
   }
@@ -177,14 +179,31 @@ void EmulatorServer::Step(const ActiveFaults& faults,
 void EmulatorServer::Send(stream::ByteStream& peer, const ActiveFaults& faults,
                           base::MonotonicTime now) {
   const std::string output = device_.TakeOutput(now);
-  if (faults.stuck) return byte_faults_.Forget();
-  for (const std::string& piece : byte_faults_.Apply(output, faults, now)) {
-    if (!peer.Write(stream::AsBytes(piece), kWriteTimeout).ok()) {
-      // Over TCP the next read says whether anyone is still there.
-      return;
-    }
-    sent_ += static_cast<int64_t>(piece.size());
+  if (faults.stuck) {
+    unsent_.clear();
+    return byte_faults_.Forget();
   }
+  // As a device's buffer: what it says while a reader is late is lost as a
+  // whole, but nothing is torn.
+  if (!Finish(peer)) return;
+  bool is_taken = true;
+  for (const std::string& piece : byte_faults_.Apply(output, faults, now)) {
+    unsent_ += piece;
+    is_taken = is_taken && Finish(peer);
+  }
+}
+
+bool EmulatorServer::Finish(stream::ByteStream& peer) {
+  if (unsent_.empty()) return true;
+  const auto sent = peer.WriteSome(stream::AsBytes(unsent_), kWriteTimeout);
+  if (!sent.ok()) {
+    // Over TCP the next read says whether anyone is still there.
+    unsent_.clear();
+    return false;
+  }
+  sent_ += static_cast<int64_t>(*sent);
+  unsent_.erase(0, *sent);
+  return unsent_.empty();
 }
 
 }  // namespace treeline::emulators

@@ -84,6 +84,8 @@ class EmulatorServer {
   stream::ByteStream* Peer(const std::stop_token& stop);
   void Send(stream::ByteStream& peer, const ActiveFaults& faults,
             base::MonotonicTime now);
+  // What the device has begun to say, to its end; false: the reader is late.
+  bool Finish(stream::ByteStream& peer);
   ActiveFaults Faults(base::MonotonicTime now) const;
 
   // Of the thread alone, once it runs.
@@ -94,6 +96,7 @@ class EmulatorServer {
   std::unique_ptr<stream::Pty> pty_;
   std::unique_ptr<stream::TcpListener> listener_;
   std::unique_ptr<stream::ByteStream> caller_;
+  std::string unsent_;
 
   std::atomic<int64_t> received_ = 0;
   std::atomic<int64_t> sent_ = 0;

@@ -78,7 +78,7 @@ TEST(BridgeRunTest, ARobotOverDdsAloneIsFoundCarriedAwayAndFoundAgain) {
   absl::Status status;
   std::jthread bridge([&](const std::stop_token& stop) {
     status = bridge_app::RunBridge(
-        config, server, *log, [](const std::string&) {}, stop);
+        config, {}, server, *log, [](const std::string&) {}, stop);
   });
   Process player({TREELINE_ROBOT_PLAYER, std::to_string(domain), "90", "8",
                   "181", "20000", "/robot1"});

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "CLI/CLI.hpp"
 #include "client/relocalizer/connect_options.h"
@@ -33,6 +34,7 @@ Examples:
   treeline-agent bridge --server 127.0.0.1:50051 --scene house \
       --image camera/color/image_raw/compressed
   treeline-agent bridge --server reloc.local:50051 --namespace robot1 \
+      --robot robot.yaml \
       --depth camera/aligned_depth_to_color/image_raw \
       --image camera/color/image_raw --map-from-world 1.2,-0.4,0,1.57)";
 
@@ -40,6 +42,7 @@ struct BridgeFlags {
   std::string config;
   bool print_config = false;
   std::unique_ptr<config::ConfigFlags> settings;
+  SensorsReader read_sensors;
 };
 
 absl::Status Run(const BridgeFlags& flags, const std::stop_token& stop) {
@@ -66,6 +69,16 @@ absl::Status Run(const BridgeFlags& flags, const std::stop_token& stop) {
              "environment: no setting belongs to " + variable);
   }
   TL_RETURN_IF_ERROR(config.Validate());
+  SensorsOfFile sensors;
+  if (!config.robot.empty()) {
+    TL_ASSIGN_OR_RETURN(sensors, flags.read_sensors(config.robot));
+    if (!sensors.base_from_camera.has_value()) {
+      log->Say(logging::LogLevel::kWarn,
+               config.robot +
+                   " does not say where the camera is: that is as "
+                   "/tf_static has it");
+    }
+  }
   relocalizer::ConnectOptions connect;
   connect.server = config.server;
   connect.tls.ca_file = config.tls_ca;
@@ -75,7 +88,7 @@ absl::Status Run(const BridgeFlags& flags, const std::stop_token& stop) {
       const std::unique_ptr<core::RelocalizationPort> server,
       relocalization::MakeServerRelocalization(connect, config.scene, clock));
   return RunBridge(
-      config, *server, *log,
+      config, sensors, *server, *log,
       [](const std::string& line) {
         std::printf("%s\n", line.c_str());
         std::fflush(stdout);
@@ -85,11 +98,12 @@ absl::Status Run(const BridgeFlags& flags, const std::stop_token& stop) {
 
 }  // namespace
 
-cli::Command AddBridgeCommand(CLI::App& app) {
+cli::Command AddBridgeCommand(CLI::App& app, SensorsReader read_sensors) {
   CLI::App* command =
       app.add_subcommand("bridge", "Tell a robot that runs ROS 2 where it is");
   command->footer(kFooter);
   auto flags = std::make_shared<BridgeFlags>();
+  flags->read_sensors = std::move(read_sensors);
   command
       ->add_option("--config", flags->config, "Settings below those of flags")
       ->type_name("FILE");

@@ -3,10 +3,12 @@
 #define NAV_AGENT_APP_BRIDGE_BRIDGE_COMMAND_H_
 
 #include "common/cli/program.h"
+#include "nav_agent/app/bridge/bridge_config.h"
 
 namespace treeline::bridge_app {
 
-cli::Command AddBridgeCommand(CLI::App& app);
+// `read_sensors`: of the robots' files that there are.
+cli::Command AddBridgeCommand(CLI::App& app, SensorsReader read_sensors);
 
 }  // namespace treeline::bridge_app
 

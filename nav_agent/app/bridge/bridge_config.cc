@@ -86,7 +86,13 @@ void AddFrames(Table& table) {
             {.name = "base_from_camera",
              .value_name = "X,Y,Z,QX,QY,QZ,QW",
              .help = "The camera's optical frame on the robot; '': as "
-                     "/tf_static has it"});
+                     "--robot or /tf_static has it"});
+  table.Add(&BridgeConfig::robot,
+            {.name = "robot",
+             .value_name = "FILE",
+             .help = "The robot's file, as calibrate writes it: where its "
+                     "camera is and by how much its stamps are late; '': "
+                     "/tf_static, and not at all"});
   table.Add(&BridgeConfig::rectified,
             {.name = "rectified",
              .help = "The pictures are rectified: P of camera_info counts"});
@@ -194,8 +200,8 @@ std::string BridgeConfig::CameraInfoTopic() const {
              : absl::StrCat(pictures.substr(0, slash), "/camera_info");
 }
 
-absl::StatusOr<place_finder::PlaceFinderOptions> BridgeConfig::PlaceFinder()
-    const {
+absl::StatusOr<place_finder::PlaceFinderOptions> BridgeConfig::PlaceFinder(
+    const SensorsOfFile& sensors) const {
   place_finder::PlaceFinderOptions options;
   options.map_frame = map_frame;
   options.base_frame = base_frame;
@@ -203,11 +209,15 @@ absl::StatusOr<place_finder::PlaceFinderOptions> BridgeConfig::PlaceFinder()
     TL_ASSIGN_OR_RETURN(options.map_from_world,
                         ParseTransform(map_from_world, "map_from_world"));
   }
+  options.base_from_camera = sensors.base_from_camera;
   if (!base_from_camera.empty()) {
     TL_ASSIGN_OR_RETURN(options.base_from_camera,
                         ParseTransform(base_from_camera, "base_from_camera"));
   }
-  options.camera = {.is_rectified = rectified, .has_depth = !depth.empty()};
+  options.camera = {.is_rectified = rectified,
+                    .has_depth = !depth.empty(),
+                    .delay_s = sensors.camera_delay_s};
+  options.laser_delay_s = sensors.laser_delay_s;
   options.ask_interval_s = ask_interval_s;
   options.is_one_view_enough = one_view_is_enough;
   TL_RETURN_IF_ERROR(options.Validate());

@@ -3,6 +3,8 @@
 #define NAV_AGENT_APP_BRIDGE_BRIDGE_CONFIG_H_
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,17 @@ namespace treeline::bridge_app {
 
 // What environment variables of the bridge start with.
 inline constexpr char kBridgePrefix[] = "TREELINE_BRIDGE_";
+
+// What a robot's file says of its sensors, as `treeline-agent calibrate` writes
+// it there.
+struct SensorsOfFile {
+  // nullopt: it does not say.
+  std::optional<geometry::Rigid3> base_from_camera = std::nullopt;
+  double camera_delay_s = 0;
+  double laser_delay_s = 0;
+};
+using SensorsReader =
+    std::function<absl::StatusOr<SensorsOfFile>(const std::string& path)>;
 
 struct BridgeConfig {
   // ---- who is met, and how ----
@@ -40,6 +53,7 @@ struct BridgeConfig {
   std::string base_frame = "base_footprint";
   std::vector<std::string> map_from_world;
   std::vector<std::string> base_from_camera;
+  std::string robot;
   bool rectified = false;
   // ---- the server ----
   std::string server;
@@ -55,7 +69,9 @@ struct BridgeConfig {
 
   // INVALID_ARGUMENT: what a single setting cannot know.
   absl::Status Validate() const;
-  absl::StatusOr<place_finder::PlaceFinderOptions> PlaceFinder() const;
+  // sensors: of the file that `robot` names. What is set here goes before it.
+  absl::StatusOr<place_finder::PlaceFinderOptions> PlaceFinder(
+      const SensorsOfFile& sensors = {}) const;
   absl::StatusOr<dds::NodeName> Node() const;
   // ROS_DOMAIN_ID as the environment has it; nullptr: it does not.
   absl::StatusOr<dds::DomainOptions> Domain(const char* ros_domain_id) const;

@@ -76,6 +76,26 @@ TEST(BridgeConfigTest, BadSettingsAreNamed) {
   EXPECT_THAT(std::string(config.Validate().message()), HasSubstr("odom"));
 }
 
+TEST(BridgeConfigTest, ARobotsFileGoesBeforeTfAndSettingsBeforeIt) {
+  BridgeConfig config = Config();
+  EXPECT_FALSE(config.PlaceFinder()->base_from_camera.has_value());
+  const SensorsOfFile sensors = {
+      .base_from_camera =
+          geometry::Rigid3{.rotation = {}, .translation = {0.1, 0, 1}},
+      .camera_delay_s = 0.04,
+      .laser_delay_s = 0.01};
+  auto options = config.PlaceFinder(sensors);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->base_from_camera->translation.x, 0.1);
+  EXPECT_EQ(options->camera.delay_s, 0.04);
+  EXPECT_EQ(options->laser_delay_s, 0.01);
+  config.base_from_camera = {"0.2", "0", "1", "0"};
+  options = config.PlaceFinder(sensors);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->base_from_camera->translation.x, 0.2);
+  EXPECT_EQ(options->camera.delay_s, 0.04);
+}
+
 TEST(BridgeConfigTest, WhatIsCompressedSaysSo) {
   EXPECT_TRUE(IsCompressed("a/compressed"));
   EXPECT_TRUE(IsCompressed("a/compressedDepth"));

@@ -66,13 +66,13 @@ void Loop(const BridgeConfig& config, BridgeTopics& topics,
 }  // namespace
 
 absl::Status RunBridge(
-    const BridgeConfig& config, core::RelocalizationPort& server,
-    logging::ProgramLog& log,
+    const BridgeConfig& config, const SensorsOfFile& sensors,
+    core::RelocalizationPort& server, logging::ProgramLog& log,
     const std::function<void(const std::string& line)>& announce,
     const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(config.Validate());
   TL_ASSIGN_OR_RETURN(const place_finder::PlaceFinderOptions options,
-                      config.PlaceFinder());
+                      config.PlaceFinder(sensors));
   TL_ASSIGN_OR_RETURN(const dds::NodeName name, config.Node());
   TL_ASSIGN_OR_RETURN(const dds::DomainOptions domain_options,
                       config.Domain(std::getenv("ROS_DOMAIN_ID")));

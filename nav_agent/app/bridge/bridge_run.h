@@ -13,13 +13,14 @@
 
 namespace treeline::bridge_app {
 
-// Runs until `stop` is requested or the duration is over. announce: called with
-// lines for scripts ("bridge in domain 0"). Errors: INVALID_ARGUMENT for
-// settings; UNAVAILABLE for a network that is not there. That nobody publishes,
-// or the server is away, is no error.
+// Runs until `stop` is requested or the duration is over. sensors: of the
+// robot's file, if the settings name one. announce: called with lines for
+// scripts ("bridge in domain 0"). Errors: INVALID_ARGUMENT for settings;
+// UNAVAILABLE for a network that is not there. That nobody publishes, or the
+// server is away, is no error.
 absl::Status RunBridge(
-    const BridgeConfig& config, core::RelocalizationPort& server,
-    logging::ProgramLog& log,
+    const BridgeConfig& config, const SensorsOfFile& sensors,
+    core::RelocalizationPort& server, logging::ProgramLog& log,
     const std::function<void(const std::string& line)>& announce,
     const std::stop_token& stop);
 

@@ -45,6 +45,7 @@ struct HardwareFile : core::MeasuredOdometryNoise {
   double right_wheel_scale = 1;
   double laser_delay_s = 0;
   double camera_delay_s = 0;
+  std::string charging_contacts;
 };
 
 const config::ConfigTable<HardwareFile>& HardwareTable() {
@@ -61,6 +62,10 @@ const config::ConfigTable<HardwareFile>& HardwareTable() {
     made->Add(&HardwareFile::camera, {.name = "camera",
                                       .help = "An RGB-D camera",
                                       .choices = {"none", "openni"}});
+    made->Add(&HardwareFile::charging_contacts,
+              {.name = "charging_contacts",
+               .help = "At which end of the robot they are; '': as docks say",
+               .choices = {"", "front", "rear"}});
     const auto add = [made](double HardwareFile::*field, const char* name,
                             const char* help, double min, double max) {
       made->Add(field, {.name = name, .help = help, .min = min, .max = max});
@@ -153,6 +158,8 @@ absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path) {
   const auto noise = core::NoiseOfFile(file);
   if (!noise.ok()) return base::Annotate(noise.status(), path);
   config.noise = *noise;
+  TL_ASSIGN_OR_RETURN(config.contacts,
+                      core::ContactEndOf(file.charging_contacts));
   config.robot.front_m = file.front_m;
   config.robot.rear_m = file.rear_m;
   config.robot.half_width_m = file.half_width_m;

@@ -29,6 +29,7 @@ struct HardwareConfig {
   core::SensorCorrection correction{};
   // nullopt: nobody measured it.
   std::optional<core::MeasuredOdometryNoise> noise{};
+  core::ContactEnd contacts = core::ContactEnd::kUnsaid;
 
   // INVALID_ARGUMENT: an address is missing or none, no such camera, or the
   // robot's measures contradict each other.

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "nav_agent/app/bridge/bridge_config.h"
 #include "nav_agent/core/robot_file.h"
 #include "nav_agent/recording/log_correction.h"
 
@@ -27,6 +28,9 @@ struct AnyRobotFile {
   // Of a robot of ROS 2, sensors are where the file says; of those of which it
   // says nothing, the model does not tell.
   core::RobotDescription robot;
+  // Whether the file itself says where the camera is; else the model's is that
+  // of some robot.
+  bool tells_camera = false;
 
   // Of recordings. A robot of ROS 2 told there itself where its sensors are.
   recording::LogCorrection Correction() const;
@@ -35,6 +39,10 @@ struct AnyRobotFile {
 // One of core::RobotNames(), or a file: ends in .yaml or contains a '/'. The
 // errors of those who read each kind.
 absl::StatusOr<AnyRobotFile> ReadAnyRobotFile(const std::string& name_or_path);
+
+// What a relocalizer takes of it.
+absl::StatusOr<bridge_app::SensorsOfFile> ReadSensorsOfFile(
+    const std::string& name_or_path);
 
 }  // namespace treeline::ros_app
 

@@ -61,6 +61,35 @@ TEST_F(AnyRobotFileTest, EachKindIsKnownByItsKeys) {
   EXPECT_EQ(name->kind, RobotFileKind::kRobot);
 }
 
+TEST_F(AnyRobotFileTest, ARelocalizerTakesWhatTheFileItselfSays) {
+  const auto sensors = [this](const std::string& yaml) {
+    const std::string path = folder_.Path("robot.yaml");
+    EXPECT_TRUE(base::WriteFileAtomically(path, yaml).ok());
+    const auto read = ReadSensorsOfFile(path);
+    EXPECT_TRUE(read.ok()) << read.status();
+    return read.value_or(bridge_app::SensorsOfFile());
+  };
+  const std::string ros = "domain_id: 3\ncamera_delay_s: 0.03\n";
+  // Of a camera of some robot's, /tf knows more.
+  EXPECT_FALSE(sensors(ros).base_from_camera.has_value());
+  EXPECT_EQ(sensors(ros).camera_delay_s, 0.03);
+  const auto told =
+      sensors(ros + "base_from_camera: [0.2, 0, 1.1, -0.5, 0.5, -0.5, 0.5]\n");
+  ASSERT_TRUE(told.base_from_camera.has_value());
+  EXPECT_EQ(told.base_from_camera->translation.z, 1.1);
+  EXPECT_FALSE(sensors("like: jackal\n").base_from_camera.has_value());
+  EXPECT_TRUE(sensors("like: jackal\ncamera: {at: [0.1, 0, 0.9]}\n")
+                  .base_from_camera.has_value());
+  const std::string hardware =
+      "laser: tcp:10.0.0.1\nbase: /dev/ttyUSB0\nlaser_delay_s: 0.01\n";
+  EXPECT_FALSE(sensors(hardware).base_from_camera.has_value());
+  EXPECT_EQ(sensors(hardware).laser_delay_s, 0.01);
+  EXPECT_EQ(
+      sensors(hardware + "camera_z_m: 1.2\n").base_from_camera->translation.z,
+      1.2);
+  EXPECT_FALSE(ReadSensorsOfFile("/nowhere.yaml").ok());
+}
+
 TEST_F(AnyRobotFileTest, EachKindSaysHowNoisyOdometryIs) {
   const core::MeasuredOdometryNoise noise = {0.04, 0.03, 0.02, 0.01};
   const std::string flat =

@@ -67,6 +67,7 @@ struct RobotFile : core::MeasuredOdometryNoise {
   double turn_scale = 1;
   double laser_delay_s = 0;
   double camera_delay_s = 0;
+  std::string charging_contacts;
 };
 
 using Table = config::ConfigTable<RobotFile>;
@@ -172,6 +173,10 @@ void AddCorrection(Table& table) {
       "Scans are stamped later than odometry by this", -0.5, 0.5);
   add(&RobotFile::camera_delay_s, "camera_delay_s",
       "... and pictures of the camera", -0.5, 0.5);
+  table.Add(&RobotFile::charging_contacts,
+            {.name = "charging_contacts",
+             .help = "At which end of the robot they are; '': as docks say",
+             .choices = {"", "front", "rear"}});
   for (const auto& [name, value] : core::kNoiseKeys) {
     add(value, name, "How noisy odometry was measured to be", 0,
         core::kMostNoise);
@@ -290,6 +295,8 @@ absl::StatusOr<RosRobotConfig> ConfigOf(const RobotFile& file) {
                        .laser_delay_s = file.laser_delay_s,
                        .camera_delay_s = file.camera_delay_s};
   TL_ASSIGN_OR_RETURN(config.noise, core::NoiseOfFile(file));
+  TL_ASSIGN_OR_RETURN(config.contacts,
+                      core::ContactEndOf(file.charging_contacts));
   TL_RETURN_IF_ERROR(config.Validate());
   return config;
 }

@@ -68,6 +68,7 @@ struct RosRobotConfig {
   core::SensorCorrection correction;
   // nullopt: nobody measured it.
   std::optional<core::MeasuredOdometryNoise> noise;
+  core::ContactEnd contacts = core::ContactEnd::kUnsaid;
 
   absl::Status Validate() const;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -17,6 +16,7 @@
 #include "simulation/simulator/scenario_player.h"
 #include "simulation/simulator/simulated_battery.h"
 #include "simulation/simulator/simulator.h"
+#include "simulation/worlds/crate.h"
 
 namespace treeline::run_app {
 namespace {
@@ -33,6 +33,7 @@ class RealRobot final : public AgentRobot {
     robot->model_ = config.robot;
     robot->correction_ = config.correction;
     robot->noise_ = config.noise;
+    robot->contacts_ = config.contacts;
     TL_ASSIGN_OR_RETURN(robot->hardware_,
                         hardware::RobotHardware::Open(config, robot->clock_));
     return robot;
@@ -51,6 +52,7 @@ class RealRobot final : public AgentRobot {
   std::optional<core::MeasuredOdometryNoise> noise() const override {
     return noise_;
   }
+  core::ContactEnd contacts() const override { return contacts_; }
   void Advance(std::chrono::nanoseconds /*duration*/) override {}
 
  private:
@@ -58,6 +60,7 @@ class RealRobot final : public AgentRobot {
   core::RobotModel model_;
   core::SensorCorrection correction_;
   std::optional<core::MeasuredOdometryNoise> noise_;
+  core::ContactEnd contacts_ = core::ContactEnd::kUnsaid;
   std::unique_ptr<hardware::RobotHardware> hardware_;
 };
 
@@ -80,8 +83,6 @@ class NewestPictures final : public core::RgbdCamera {
   simulator::SimulatedCamera& camera_;
 };
 
-// Its body is called so in every world.
-constexpr char kCrate[] = "crate";
 constexpr int kKidnapTries = 500;
 // Between a robot that begins and people who walk past (m).
 constexpr double kStartRoom_m = 0.3;
@@ -113,6 +114,7 @@ class SimulatedAgentRobot final : public AgentRobot,
         places_(std::move(places)),
         map_from_world_(map_from_world),
         noise_(options.robot.noise),
+        contacts_(options.robot.contacts),
         random_(options.seed, kKidnapStream),
         battery_(options.battery) {}
 
@@ -131,6 +133,7 @@ class SimulatedAgentRobot final : public AgentRobot,
   std::optional<core::MeasuredOdometryNoise> noise() const override {
     return noise_;
   }
+  core::ContactEnd contacts() const override { return contacts_; }
   void Advance(std::chrono::nanoseconds duration) override {
     const geometry::Vec3 before = MapFromBase().translation;
     simulator_->Step(duration);
@@ -220,8 +223,6 @@ class SimulatedAgentRobot final : public AgentRobot,
  private:
   static constexpr uint64_t kKidnapStream = 0x51;
 
-  // Of a crate of scale 1, from the circle that holds it.
-  double CrateSide_m() const;
   geometry::Rigid3 MapFromBase() const {
     return map_from_world_ * simulator_->state().world_from_base;
   }
@@ -246,6 +247,7 @@ class SimulatedAgentRobot final : public AgentRobot,
   const runs::SuiteWorld places_;
   const geometry::Rigid3 map_from_world_;
   const std::optional<core::MeasuredOdometryNoise> noise_;
+  const core::ContactEnd contacts_;
   base::Random random_;
   simulator::SimulatedBattery battery_;
   simulator::Chargers chargers_;
@@ -269,34 +271,24 @@ void SimulatedAgentRobot::SetChargers(const std::vector<PlacedDock>& docks) {
         dock.is_backward ? -model().rear_m - away_m : model().front_m + away_m;
     const std::string name = absl::StrCat("charger ", dock.name);
     const absl::Status stands = simulator_->AddObstacle(
-        name, kCrate,
+        name, worlds::kCrate,
         InWorld({.map_from_base = docked * geometry::Rigid2{{ahead_m, 0}, 0},
                  .place = {dock.level, height_m}}),
-        {static_cast<float>(kChargerDepth_m / CrateSide_m()),
-         static_cast<float>(kChargerWidth_m / CrateSide_m()), 1});
+        worlds::CrateScale(simulator_->world(), kChargerDepth_m,
+                           kChargerWidth_m));
     // Where it does not, the dock still charges: a wall may be its body.
     if (stands.ok()) charger_bodies_.push_back(name);
   }
   chargers_ = simulator::Chargers(std::move(chargers));
 }
 
-double SimulatedAgentRobot::CrateSide_m() const {
-  double side_m = 1;
-  for (const worlds::Body& body : simulator_->world().bodies) {
-    if (body.name == kCrate) {
-      side_m = std::numbers::sqrt2 * static_cast<double>(body.radius_m);
-    }
-  }
-  return side_m;
-}
-
 absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
     const core::LevelPose& pose, double size_m) {
-  const auto scale = static_cast<float>(size_m / CrateSide_m());
   const std::string name = absl::StrCat("obstacle-", next_obstacle_);
   const geometry::Vec2 center = pose.map_from_base.translation;
-  TL_RETURN_IF_ERROR(
-      simulator_->AddObstacle(name, kCrate, InWorld(pose), {scale, scale, 1}));
+  TL_RETURN_IF_ERROR(simulator_->AddObstacle(
+      name, worlds::kCrate, InWorld(pose),
+      worlds::CrateScale(simulator_->world(), size_m, size_m)));
   ++next_obstacle_;
   obstacles_[name] = center;
   return name;

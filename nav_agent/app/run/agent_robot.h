@@ -43,6 +43,9 @@ class AgentRobot {
   virtual std::optional<core::MeasuredOdometryNoise> noise() const {
     return std::nullopt;
   }
+  virtual core::ContactEnd contacts() const {
+    return core::ContactEnd::kUnsaid;
+  }
   // Lets simulated time pass; a real robot's passes by itself.
   virtual void Advance(std::chrono::nanoseconds duration) = 0;
   // What it tells apart from its wheels; nullopt: nothing.

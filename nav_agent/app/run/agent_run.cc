@@ -289,7 +289,7 @@ absl::Status AgentProgram::Listen() {
   TL_ASSIGN_OR_RETURN(std::unique_ptr<agent_service::DockBook> docks,
                       agent_service::DockBook::Open(map_, config_.state_dir));
   docks_ = std::make_unique<agent_service::DockDesk>(
-      std::move(docks), robot_->model(), config_.Charge());
+      std::move(docks), robot_->model(), config_.Charge(), robot_->contacts());
   commands_ = std::make_unique<agent_service::AgentCommands>(
       hub_, info_, robot_->simulation(), stops_.get(), zones_.get(),
       routes_.get(), docks_.get());

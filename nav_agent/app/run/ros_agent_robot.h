@@ -44,6 +44,9 @@ class RosAgentRobot final : public AgentRobot {
   std::optional<core::MeasuredOdometryNoise> noise() const override {
     return robot_->config().noise;
   }
+  core::ContactEnd contacts() const override {
+    return robot_->config().contacts;
+  }
   // Time passes by itself. Of a simulation it is waited for: steps are taken at
   // its pace, whatever that is.
   void Advance(std::chrono::nanoseconds duration) override;

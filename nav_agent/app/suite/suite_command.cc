@@ -1,6 +1,7 @@
 #include "nav_agent/app/suite/suite_command.h"
 
 #include "CLI/CLI.hpp"
+#include "nav_agent/app/suite/docking_suite_command.h"
 #include "nav_agent/app/suite/field_suite_command.h"
 #include "nav_agent/app/suite/kidnap_suite_command.h"
 #include "nav_agent/app/suite/lost_suite_command.h"
@@ -15,7 +16,7 @@ cli::Command AddSuiteCommand(CLI::App& app) {
   return {command,
           cli::RunChosen({AddLostSuite(*command), AddLostFit(*command),
                           AddMissionSuite(*command), AddKidnapSuite(*command),
-                          AddFieldSuite(*command)})};
+                          AddFieldSuite(*command), AddDockingSuite(*command)})};
 }
 
 }  // namespace treeline::suite_app

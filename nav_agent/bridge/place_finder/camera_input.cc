@@ -7,6 +7,7 @@
 #include "common/base/status_macros.h"
 #include "common/ros2/conversions/camera_values.h"
 #include "common/ros2/conversions/geometry_values.h"
+#include "nav_agent/core/corrected_devices.h"
 
 namespace treeline::place_finder {
 namespace {
@@ -72,10 +73,14 @@ CameraInput::Pair CameraInput::NewestPair() const {
   return {};
 }
 
+base::MonotonicTime CameraInput::MomentOf(const Picture& picture) const {
+  return StampOf(picture) - core::DelayOf(options_.delay_s);
+}
+
 std::optional<base::MonotonicTime> CameraInput::NewestStamp() const {
   const Pair pair = NewestPair();
   if (!camera_.has_value() || pair.color == nullptr) return std::nullopt;
-  return StampOf(*pair.color);
+  return MomentOf(*pair.color);
 }
 
 absl::StatusOr<core::RgbdFrame> CameraInput::Newest() const {
@@ -90,7 +95,7 @@ absl::StatusOr<core::RgbdFrame> CameraInput::Newest() const {
                           "come: give both the same stamps");
   }
   core::RgbdFrame frame;
-  frame.stamp = StampOf(*pair.color);
+  frame.stamp = MomentOf(*pair.color);
   frame.sequence = pair.sequence;
   frame.frame.calibration = {
       .color = *camera_, .depth = *camera_, .color_from_depth = {}};

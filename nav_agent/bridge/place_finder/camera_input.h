@@ -26,6 +26,8 @@ class CameraInput {
     bool is_rectified = false;
     // Depth is wanted: a picture waits for the one of its moment.
     bool has_depth = false;
+    // Pictures are stamped so much later than odometry of the same moment (s).
+    double delay_s = 0;
   };
   explicit CameraInput(const Options& options) : options_(options) {}
 
@@ -39,16 +41,19 @@ class CameraInput {
   const std::optional<camera::Camera>& camera() const { return camera_; }
   // Of the newest picture; "": there is none.
   const std::string& frame_id() const { return frame_id_; }
-  // Of the picture that Newest would give; nullopt: it would give none.
+  // On odometry's time, of the picture that Newest would give; nullopt: it
+  // would give none.
   std::optional<base::MonotonicTime> NewestStamp() const;
-  // Decoded; its sequence counts pictures. FAILED_PRECONDITION while something
-  // is missing, and says what; INVALID_ARGUMENT for pictures that are broken,
-  // or of another size than CameraInfo says.
+  // Decoded, stamped as NewestStamp has it; its sequence counts pictures.
+  // FAILED_PRECONDITION while something is missing, and says what;
+  // INVALID_ARGUMENT for pictures that are broken, or of another size than
+  // CameraInfo says.
   absl::StatusOr<core::RgbdFrame> Newest() const;
 
   int64_t pictures() const { return pictures_; }
 
  private:
+  base::MonotonicTime MomentOf(const Picture& picture) const;
   struct Pair {
     const Picture* color = nullptr;
     const Picture* depth = nullptr;

@@ -15,6 +15,7 @@
 #include "common/ros2/conversions/geometry_values.h"
 #include "nav_agent/behavior/relocalization_parameters.h"
 #include "nav_agent/bridge/agent_values/laser_values.h"
+#include "nav_agent/core/corrected_devices.h"
 
 namespace treeline::place_finder {
 namespace {
@@ -23,6 +24,9 @@ namespace {
 constexpr double kMaxPictureAge_s = 1;
 // Whoever was told a place needs a moment until scans fit there.
 constexpr double kAfterPlace_s = 3;
+// What a calibration and a drawing may differ by (m, rad).
+constexpr double kSameCamera_m = 0.02;
+constexpr double kSameCamera_rad = 0.0175;
 
 std::chrono::nanoseconds Seconds(double seconds) {
   return std::chrono::nanoseconds(static_cast<int64_t>(seconds * 1e9));
@@ -60,6 +64,9 @@ absl::Status PlaceFinderOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("answer_timeout_s", answer_timeout_s, 0.1, 60));
   TL_RETURN_IF_ERROR(base::CheckRange("ask_interval_s", ask_interval_s, 0, 60));
+  TL_RETURN_IF_ERROR((core::SensorCorrection{.laser_delay_s = laser_delay_s,
+                                             .camera_delay_s = camera.delay_s}
+                          .Validate()));
   TL_RETURN_IF_ERROR(
       base::CheckRange("max_turn_radps", max_turn_radps, 0.01, 10));
   if (!geometry::IsFinite(map_from_world)) {
@@ -122,6 +129,7 @@ absl::Status PlaceFinder::Add(const messages::LaserScan& scan) {
                        .info = info,
                        .base_from_laser = base_from_laser,
                        .odom_from_base = {}};
+  placed.scan.stamp -= core::DelayOf(options_.laser_delay_s);
   const auto motion =
       odometry_.At(placed.scan.stamp +
                    Seconds(0.5 * info.beam_interval_s * (info.beams - 1)));
@@ -200,7 +208,11 @@ PlaceFinder::Output PlaceFinder::Step(base::MonotonicTime now) {
           Seconds(std::max(options_.ask_interval_s, kAfterPlace_s))) {
     return output;
   }
+  const std::string disputed = state_.camera_dispute;
   const absl::Status obstacle = AskIfPossible(now);
+  if (!state_.camera_dispute.empty() && disputed.empty()) {
+    output.events.push_back(state_.camera_dispute);
+  }
   if (obstacle != state_.obstacle && !obstacle.ok()) {
     output.events.push_back(
         absl::StrCat("cannot ask: ", std::string(obstacle.message())));
@@ -234,12 +246,7 @@ absl::Status PlaceFinder::AskIfPossible(base::MonotonicTime now) {
   if (std::abs(motion->yaw_rate_radps) > options_.max_turn_radps) {
     return absl::FailedPreconditionError("the robot turns too fast");
   }
-  if (options_.base_from_camera.has_value()) {
-    base_from_camera_ = *options_.base_from_camera;
-  } else {
-    TL_ASSIGN_OR_RETURN(base_from_camera_,
-                        frames_.Find(options_.base_frame, camera_.frame_id()));
-  }
+  TL_RETURN_IF_ERROR(FindCamera());
   TL_ASSIGN_OR_RETURN(const core::RgbdFrame frame, camera_.Newest());
   last_asked_picture_ = frame.sequence;
   question_motion_ = motion;
@@ -247,6 +254,31 @@ absl::Status PlaceFinder::AskIfPossible(base::MonotonicTime now) {
   ++state_.questions;
   server_.Ask(frame, options_.answer_timeout_s);
   return absl::OkStatus();
+}
+
+absl::Status PlaceFinder::FindCamera() {
+  if (!options_.base_from_camera.has_value()) {
+    TL_ASSIGN_OR_RETURN(base_from_camera_,
+                        frames_.Find(options_.base_frame, camera_.frame_id()));
+    return absl::OkStatus();
+  }
+  base_from_camera_ = *options_.base_from_camera;
+  state_.camera_dispute = CameraDispute();
+  return absl::OkStatus();
+}
+
+std::string PlaceFinder::CameraDispute() const {
+  const auto by_tf = frames_.Find(options_.base_frame, camera_.frame_id());
+  if (!by_tf.ok()) return "";
+  const double off_m = geometry::Norm(by_tf->translation -
+                                      options_.base_from_camera->translation);
+  const double off_rad = geometry::AngleBetween_rad(
+      by_tf->rotation, options_.base_from_camera->rotation);
+  if (off_m <= kSameCamera_m && off_rad <= kSameCamera_rad) return "";
+  return absl::StrFormat(
+      "the camera (%s) is %.1f cm and %.1f degrees from where /tf has it: goes "
+      "by what it was told; other nodes go by /tf",
+      camera_.frame_id(), 100 * off_m, off_rad * 180 / std::numbers::pi);
 }
 
 void PlaceFinder::TakeAnswer(base::MonotonicTime now, Output& output) {

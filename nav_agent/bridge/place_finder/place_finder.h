@@ -35,6 +35,8 @@ struct PlaceFinderOptions {
   // nullopt: as /tf_static has it, by the frame of the pictures.
   std::optional<geometry::Rigid3> base_from_camera = std::nullopt;
   CameraInput::Options camera = {};
+  // Scans are stamped so much later than odometry of the same moment (s).
+  double laser_delay_s = 0;
   behavior::FixGateOptions gate = {};
   // One question takes at most so long (s, 0.1 to 60), and the next one comes
   // so long after an answer (s, 0 to 60).
@@ -91,6 +93,9 @@ class PlaceFinder {
     double last_round_trip_s = 0;
     // What the gate said last; "": nothing yet.
     std::string last_fix;
+    // Where /tf_static has the camera otherwise than who set base_from_camera;
+    // "": they agree, or only one of them says so.
+    std::string camera_dispute;
     bool is_server_elsewhere = false;
     bool has_map = false;
     bool has_scan = false;
@@ -108,6 +113,9 @@ class PlaceFinder {
   void BeginAnew();
   Need NeedNow() const;
   absl::Status AskIfPossible(base::MonotonicTime now);
+  absl::Status FindCamera();
+  // What base_from_camera and /tf_static say of each other.
+  std::string CameraDispute() const;
   void TakeAnswer(base::MonotonicTime now, Output& output);
   behavior::GatedFix Check(const core::RelocalizationAnswer& answer,
                            const localization::TrackedMotion& motion) const;

@@ -246,6 +246,57 @@ TEST_F(PlaceFinderTest, OneViewIsEnoughForWhoSaysSo) {
   EXPECT_TRUE(Go().initial_pose.has_value());
 }
 
+// Of a robot whose calibration is in a file: /tf may have it otherwise.
+TEST_F(PlaceFinderTest, ACameraThatWasToldGoesBeforeTf) {
+  PlaceFinderOptions options = Options();
+  options.is_one_view_enough = true;
+  // As far as a calibration and a drawing differ, nobody minds.
+  options.base_from_camera = base_from_camera_;
+  options.base_from_camera->translation.x += 0.01;
+  Use(options);
+  ASSERT_TRUE(GoUntilAsked());
+  EXPECT_EQ(finder_->state().camera_dispute, "");
+  options.base_from_camera->translation.x += 0.1;
+  Use(options);
+  std::vector<std::string> events;
+  for (int i = 0; i < 10; ++i) {
+    for (std::string& event : Go().events) events.push_back(std::move(event));
+  }
+  EXPECT_THAT(events,
+              testing::Contains(HasSubstr(
+                  "the camera (camera) is 11.0 cm and 0.0 degrees from where")))
+      << events.size();
+  EXPECT_EQ(ReportOf(finder_->state(), {}).status[1].values.back().key,
+            "camera");
+  server_.next = AnswerAt(MapFromBase());
+  const PlaceFinder::Output output = Go();
+  ASSERT_TRUE(output.initial_pose.has_value()) << finder_->state().last_fix;
+  const geometry::Rigid2 off =
+      PoseIn(*output.initial_pose).Inverse() * MapFromBase();
+  EXPECT_NEAR(off.translation.x, 0.11, 1e-6);
+  EXPECT_NEAR(off.translation.y, 0, 1e-6);
+}
+
+TEST_F(PlaceFinderTest, PicturesWhoseStampsAreLateAreOfTheMomentBefore) {
+  PlaceFinderOptions options = Options();
+  options.is_one_view_enough = true;
+  options.camera.delay_s = 0.1;
+  Use(options);
+  // A picture that is stamped now was taken a step ago, where the robot was
+  // then.
+  const geometry::Rigid2 way = {{0.05, 0}, 0};
+  while (server_.asked == 0) {
+    Go(way);
+    ASSERT_LT(MapFromBase().translation.x, 20);
+  }
+  server_.next = AnswerAt(MapFromBase() * way.Inverse());
+  const PlaceFinder::Output output = Go(way);
+  ASSERT_TRUE(output.initial_pose.has_value()) << finder_->state().last_fix;
+  ExpectNear(PoseIn(*output.initial_pose), MapFromBase(), 1e-6, 1e-6);
+  options.camera.delay_s = 3;
+  EXPECT_FALSE(options.Validate().ok());
+}
+
 TEST_F(PlaceFinderTest, GravityAndTheFloorAreWitnesses) {
   ASSERT_TRUE(GoUntilAsked());
   core::RelocalizationAnswer leaning = AnswerAt(MapFromBase());

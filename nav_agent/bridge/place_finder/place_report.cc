@@ -55,6 +55,9 @@ DiagnosticStatus RelocalizationStatus(const PlaceFinder::State& state) {
                    {"last fix", state.last_fix},
                    {"last round trip (s)",
                     absl::StrFormat("%.3f", state.last_round_trip_s)}};
+  if (!state.camera_dispute.empty()) {
+    status.values.push_back({"camera", state.camera_dispute});
+  }
   return status;
 }
 

@@ -32,12 +32,16 @@ class ByteStream {
                                       std::chrono::milliseconds timeout,
                                       const std::stop_token& stop) = 0;
 
+  // Writes from the front of `bytes` what the other side takes within `timeout`
+  // (0: what fits into the system's buffer now), and returns how many that
+  // were. UNAVAILABLE if it is gone.
+  virtual absl::StatusOr<size_t> WriteSome(
+      std::span<const uint8_t> bytes, std::chrono::milliseconds timeout) = 0;
   // Writes all of `bytes`. UNAVAILABLE if the other side is gone, or did not
   // take them all within `timeout`; how many were sent is then unknown, so
-  // close the stream, or be sure that the protocol recovers. A timeout of 0
-  // sends only what fits into the system's buffer now.
-  virtual absl::Status Write(std::span<const uint8_t> bytes,
-                             std::chrono::milliseconds timeout) = 0;
+  // close the stream, or be sure that the protocol recovers.
+  absl::Status Write(std::span<const uint8_t> bytes,
+                     std::chrono::milliseconds timeout);
 
   // For messages: "/dev/ttyACM0", "tcp:192.168.0.10:10940".
   virtual std::string Name() const = 0;

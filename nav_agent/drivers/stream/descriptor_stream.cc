@@ -30,13 +30,13 @@ class DescriptorStream final : public ByteStream {
 
   absl::StatusOr<size_t> Read(std::span<uint8_t> buffer, milliseconds timeout,
                               const std::stop_token& stop) override;
-  absl::Status Write(std::span<const uint8_t> bytes,
-                     milliseconds timeout) override;
+  absl::StatusOr<size_t> WriteSome(std::span<const uint8_t> bytes,
+                                   milliseconds timeout) override;
   std::string Name() const override { return name_; }
 
  private:
   // Of one call; -1 with errno.
-  ssize_t WriteSome(std::span<const uint8_t> bytes) const;
+  ssize_t WriteOnce(std::span<const uint8_t> bytes) const;
 
   base::Descriptor fd_;
   bool is_socket_;
@@ -81,7 +81,7 @@ absl::StatusOr<size_t> DescriptorStream::Read(std::span<uint8_t> buffer,
   return 0;
 }
 
-ssize_t DescriptorStream::WriteSome(std::span<const uint8_t> bytes) const {
+ssize_t DescriptorStream::WriteOnce(std::span<const uint8_t> bytes) const {
   // A socket whose peer is gone must not raise SIGPIPE.
   if (is_socket_) {
     return send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -89,13 +89,14 @@ ssize_t DescriptorStream::WriteSome(std::span<const uint8_t> bytes) const {
   return write(fd_.get(), bytes.data(), bytes.size());
 }
 
-absl::Status DescriptorStream::Write(std::span<const uint8_t> bytes,
-                                     milliseconds timeout) {
+absl::StatusOr<size_t> DescriptorStream::WriteSome(
+    std::span<const uint8_t> bytes, milliseconds timeout) {
   const SteadyTime deadline = std::chrono::steady_clock::now() + timeout;
-  while (!bytes.empty()) {
-    const ssize_t count = WriteSome(bytes);
+  size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = WriteOnce(bytes.subspan(written));
     if (count > 0) {
-      bytes = bytes.subspan(static_cast<size_t>(count));
+      written += static_cast<size_t>(count);
       continue;
     }
     if (count < 0 && errno == EINTR) continue;
@@ -105,16 +106,21 @@ absl::Status DescriptorStream::Write(std::span<const uint8_t> bytes,
     TL_ASSIGN_OR_RETURN(
         const WaitOutcome outcome,
         WaitForDescriptor(fd_.get(), POLLOUT, Remaining(deadline), {}));
-    if (outcome != WaitOutcome::kReady) {
-      return absl::UnavailableError(absl::StrCat(name_, " did not take ",
-                                                 bytes.size(), " bytes within ",
-                                                 timeout.count(), " ms"));
-    }
+    if (outcome != WaitOutcome::kReady) break;
   }
-  return absl::OkStatus();
+  return written;
 }
 
 }  // namespace
+
+absl::Status ByteStream::Write(std::span<const uint8_t> bytes,
+                               milliseconds timeout) {
+  TL_ASSIGN_OR_RETURN(const size_t written, WriteSome(bytes, timeout));
+  if (written == bytes.size()) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat(Name(), " did not take ", bytes.size() - written,
+                   " bytes within ", timeout.count(), " ms"));
+}
 
 absl::Status SystemError(absl::StatusCode code, absl::string_view message,
                          int error) {

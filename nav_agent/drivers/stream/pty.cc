@@ -96,9 +96,9 @@ absl::StatusOr<size_t> Pty::Read(std::span<uint8_t> buffer,
   return stream_->Read(buffer, timeout, stop);
 }
 
-absl::Status Pty::Write(std::span<const uint8_t> bytes,
-                        std::chrono::milliseconds timeout) {
-  return stream_->Write(bytes, timeout);
+absl::StatusOr<size_t> Pty::WriteSome(std::span<const uint8_t> bytes,
+                                      std::chrono::milliseconds timeout) {
+  return stream_->WriteSome(bytes, timeout);
 }
 
 }  // namespace treeline::stream

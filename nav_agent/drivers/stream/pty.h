@@ -16,9 +16,8 @@ namespace treeline::stream {
 // as they like. Destroying it is pulling the plug: they find the port gone.
 //
 // Nobody can tell from this end whether a program has the port open: what is
-// written meanwhile waits for the next one until the system's buffer (4 KiB)
-// is full, and then Write() fails in time. A device that must not block writes
-// with a timeout of 0 and forgets what did not fit.
+// written meanwhile waits for the next one until the system's buffer (20 KiB
+// of Linux 6.18) is full, and of what is written then only a part may fit.
 class Pty final : public ByteStream {
  public:
   // `symlink`, unless empty, is made to lead to the terminal, such as
@@ -34,8 +33,8 @@ class Pty final : public ByteStream {
   absl::StatusOr<size_t> Read(std::span<uint8_t> buffer,
                               std::chrono::milliseconds timeout,
                               const std::stop_token& stop) override;
-  absl::Status Write(std::span<const uint8_t> bytes,
-                     std::chrono::milliseconds timeout) override;
+  absl::StatusOr<size_t> WriteSome(std::span<const uint8_t> bytes,
+                                   std::chrono::milliseconds timeout) override;
   std::string Name() const override { return path_; }
 
  private:
