@@ -164,7 +164,7 @@ class LoopCloser {
   // A loop that would move the robot far, and what came of following it.
   struct SuspectedLoop {
     std::vector<Link> links;  // the first one is what is suspected
-    int against = 0;          // keyscans that were not found where it puts them
+    int against = 0;  // keyscans that are contradicted where it puts them
   };
 
   std::vector<Reach> ReachFrom(int keyscan) const;

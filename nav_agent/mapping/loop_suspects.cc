@@ -108,7 +108,11 @@ void LoopCloser::FollowSuspects(int keyscan) {
         TryChain(keyscan, chains.front(), place, NearSearch());
     if (link.has_value()) {
       suspect.links.push_back(*link);
-    } else {
+    } else if (IsContradicted(ContradictionsOf(keyscan, place, chains.front()),
+                              ContradictionsOf(
+                                  keyscan, poses_[static_cast<size_t>(keyscan)],
+                                  chains.front()))) {
+      // Where it fits as well elsewhere, or little is seen, it says nothing.
       ++suspect.against;
     }
   }
@@ -129,8 +133,9 @@ bool LoopCloser::IsConfirmed(const SuspectedLoop& suspect,
     otherwise += link.otherwise;
   }
   if (found < suspect.against || IsContradicted(there, otherwise)) return false;
-  return is_last_chance || (found >= options_.min_followed &&
-                            Followed_m(suspect) >= options_.follow_m);
+  const bool is_followed = Followed_m(suspect) >= options_.follow_m;
+  return is_last_chance ? found > 0 || !is_followed
+                        : found >= options_.min_followed && is_followed;
 }
 
 bool LoopCloser::BelieveSuspect(bool is_last_chance) {
