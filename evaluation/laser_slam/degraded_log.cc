@@ -24,7 +24,8 @@ geometry::Rigid2 Worse(const geometry::Rigid2& step, size_t number,
   if (way_m > 0) {
     worse.translation = (1 + way_error_m / way_m) * step.translation;
   }
-  worse.yaw_rad = d.turn_scale * step.yaw_rad + turn_error_rad;
+  worse.yaw_rad =
+      d.turn_scale * step.yaw_rad + d.turn_per_m_rad * way_m + turn_error_rad;
   const bool slips =
       d.slip_every_m > 0 && random.NextUnit() < way_m / d.slip_every_m;
   if (slips) {
@@ -48,7 +49,7 @@ bool IsKept(size_t number, const Degradation& d) {
 absl::Status Degradation::Validate() const {
   const bool noise = m_per_m >= 0 && rad_per_rad >= 0 && rad_per_m >= 0 &&
                      slip_every_m >= 0 && slip_m >= 0 && slip_rad >= 0 &&
-                     turn_scale > 0;
+                     turn_scale > 0 && std::isfinite(turn_per_m_rad);
   if (!noise || every_scan < 1 || every_beam < 1 || gap_every < 0 ||
       gap_scans < 0) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -117,6 +118,12 @@ std::vector<Degradation> StandardDegradations() {
        .slip_every_m = 5,
        .slip_m = 0.2,
        .slip_rad = 0.26},
+      {.name = "slip of 30 deg, 0.2 m each 5 m",
+       .slip_every_m = 5,
+       .slip_m = 0.2,
+       .slip_rad = 0.52},
+      // Of a track of 0.4 m: one wheel is larger by a twenty-fifth.
+      {.name = "wheels of two sizes, 0.1 rad each m", .turn_per_m_rad = 0.1},
       {.name = "every 3rd scan", .every_scan = 3},
       {.name = "every 2nd beam", .every_beam = 2},
       {.name = "10 scans lost after each 40", .gap_every = 40, .gap_scans = 10},

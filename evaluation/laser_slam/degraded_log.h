@@ -22,6 +22,9 @@ struct Degradation {
   double rad_per_m = 0;
   // Turns are told this many times as large: a wrong wheel track (above 0).
   double turn_scale = 1;
+  // A way straight ahead is told with a turn of so much for each metre: wheels
+  // of two sizes (rad per m).
+  double turn_per_m_rad = 0;
   // Every so many metres, on average, the wheels slip: the turn of the next
   // scan is off by a Gaussian of slip_rad, and its way by one of slip_m. 0:
   // never.

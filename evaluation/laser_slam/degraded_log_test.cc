@@ -58,6 +58,23 @@ TEST(DegradedLog, DriftsAndSlipsWithItsSeed) {
   EXPECT_NE(EndError_m(*one), EndError_m(*other));
 }
 
+TEST(DegradedLog, WheelsOfTwoSizesTurnWithTheWay) {
+  const auto curved = Degraded(Drive().log, {.turn_per_m_rad = 0.1});
+  ASSERT_TRUE(curved.ok()) << curved.status();
+  double way_m = 0;
+  double turn_rad = 0;
+  for (size_t i = 1; i < curved->scans.size(); ++i) {
+    const auto step = [i](const recording::LaserLog& log) {
+      return log.scans[i - 1].odom_from_base.Inverse() *
+             log.scans[i].odom_from_base;
+    };
+    way_m += geometry::Norm(step(Drive().log).translation);
+    turn_rad += geometry::NormalizedAngle_rad(step(*curved).yaw_rad -
+                                              step(Drive().log).yaw_rad);
+  }
+  EXPECT_NEAR(turn_rad, 0.1 * way_m, 1e-6);
+}
+
 TEST(DegradedLog, RefusesWhatIsNotSane) {
   const auto none = Degraded(Drive().log, {.every_scan = 1000000});
   EXPECT_THAT(std::string(none.status().message()),

@@ -123,6 +123,9 @@ class LaserSlamOnThread final : public LaserSlam {
   ScanMatch FindNear(std::span<const PlacedScan> references,
                      const ScanOutline& scan, const geometry::Rigid2& guess,
                      const MatchSearch& search) const;
+  ScanMatch FindWidely(std::span<const PlacedScan> references,
+                       const ScanOutline& scan, const geometry::Rigid2& guess,
+                       const MatchSearch& search, double half_angle_rad) const;
   ScanMatch FindInWindow(std::span<const PlacedScan> references,
                          const ScanOutline& scan, const geometry::Rigid2& guess,
                          const MatchSearch& search);
@@ -288,37 +291,56 @@ ScanMatch LaserSlamOnThread::FindNear(std::span<const PlacedScan> references,
   return other.response > match.response + kClearlyBetter ? other : match;
 }
 
-ScanMatch LaserSlamOnThread::FindInWindow(
-    std::span<const PlacedScan> references, const ScanOutline& scan,
-    const geometry::Rigid2& guess, const MatchSearch& search) {
-  const ScanMatch match = FindNear(references, scan, guess, search);
-  if (match.response >= std::max(options_.min_response,
-                                 usual_response_ - options_.poor_response)) {
-    return match;
-  }
+ScanMatch LaserSlamOnThread::FindWidely(std::span<const PlacedScan> references,
+                                        const ScanOutline& scan,
+                                        const geometry::Rigid2& guess,
+                                        const MatchSearch& search,
+                                        double half_angle_rad) const {
   // On coarse cells first, where odometry says next to nothing.
-  ++statistics_.searched_widely;
   ScanMatcherOptions coarse = options_.matcher;
   coarse.cell_m *= kCoarse;
   coarse.sigma_m *= kCoarse;
   const MatchSearch wide = {
       .half_extent_m = options_.max_search_m,
-      .half_angle_rad = options_.max_search_rad,
+      .half_angle_rad = half_angle_rad,
       .guess_sigma_m = std::max(search.guess_sigma_m, options_.max_search_m),
-      .guess_sigma_rad =
-          std::max(search.guess_sigma_rad, options_.max_search_rad)};
+      .guess_sigma_rad = std::max(search.guess_sigma_rad, half_angle_rad)};
   const SurfaceGrid grid =
       MakeSurfaceGrid(references, scan, guess, wide, coarse);
-  const ScanMatch rough = MatchScan(grid, scan, guess, wide, coarse);
-  const MatchSearch fine = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
-                            .half_angle_rad = kFineSearch_rad,
-                            .guess_sigma_m = wide.guess_sigma_m,
-                            .guess_sigma_rad = wide.guess_sigma_rad};
-  const ScanMatch other =
-      FindNear(references, scan, rough.target_from_scan, fine);
-  if (other.response < match.response + options_.better_response) return match;
-  ++statistics_.found_widely;
-  return other;
+  const geometry::Rigid2 rough =
+      MatchScan(grid, scan, guess, wide, coarse).target_from_scan;
+  MatchSearch fine = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
+                      .half_angle_rad = kFineSearch_rad,
+                      .guess_sigma_m = wide.guess_sigma_m,
+                      .guess_sigma_rad = wide.guess_sigma_rad};
+  const ScanMatch elsewhere = FindNear(references, scan, rough, fine);
+  // Wheels that spin turn the robot more than they move it: where all places
+  // along a corridor fit, it is still where odometry has it.
+  fine.half_extent_m = std::max(fine.half_extent_m, search.half_extent_m);
+  fine.guess_sigma_m = search.guess_sigma_m;
+  const ScanMatch turned =
+      FindNear(references, scan, {guess.translation, rough.yaw_rad}, fine);
+  return elsewhere.response > turned.response + kClearlyBetter ? elsewhere
+                                                               : turned;
+}
+
+ScanMatch LaserSlamOnThread::FindInWindow(
+    std::span<const PlacedScan> references, const ScanOutline& scan,
+    const geometry::Rigid2& guess, const MatchSearch& search) {
+  ScanMatch match = FindNear(references, scan, guess, search);
+  const double enough =
+      std::max(options_.min_response, usual_response_ - options_.poor_response);
+  for (const double half_angle_rad :
+       {options_.max_search_rad, options_.lost_search_rad}) {
+    if (match.response >= enough) break;
+    ++statistics_.searched_widely;
+    const ScanMatch other =
+        FindWidely(references, scan, guess, search, half_angle_rad);
+    if (other.response < match.response + options_.better_response) continue;
+    ++statistics_.found_widely;
+    match = other;
+  }
+  return match;
 }
 
 bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,

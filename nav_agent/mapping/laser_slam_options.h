@@ -49,8 +49,10 @@ struct LaserSlamOptions {
   // A scan that responds by this much less than scans usually do, or by less
   // than min_response, is searched for anew within max_search and as far from
   // odometry; what is found counts if it responds better by better_response.
+  // If it still responds poorly, turns of lost_search_rad are searched.
   double poor_response = 0.15;
   double better_response = 0.1;
+  double lost_search_rad = 1.6;
   // Below this response, or with fewer points, odometry is used instead.
   double min_response = 0.35;
   int min_points = 20;

@@ -23,8 +23,6 @@ constexpr double kGroundTilt_rad = 0.01;
 constexpr double kClimb_m_per_m = 0.005;
 constexpr double kClimb_m_per_climb_m = 0.03;
 constexpr double kMinClimb_m = 0.0005;
-// A loop is at least this many times as long as the laser's overlap.
-constexpr double kLoopWay = 3.0;
 constexpr double kLargestDrift = 0.05;
 // Coarse cells are this many times as large as fine ones.
 constexpr double kCoarse = 2.5;
@@ -34,52 +32,13 @@ constexpr int kNarrowEvery = 3;
 constexpr size_t kCoarseEvery = 3;
 // The fine search about the best coarse cell, in its cells.
 constexpr double kFineSearch_cells = 1.5;
-// Pieces of surface long enough, and alike enough in direction, to tell which
-// side of them is seen; how many there must be, and what share must agree.
-constexpr double kTellingPiece_m = 0.1;
-constexpr double kAlong = 0.8;
-constexpr int kTellingPieces = 5;
+// The share of surfaces that must be seen from the same side.
 constexpr double kSameSide = 0.8;
 
 double LargestSigma_m(const Covariance3& c) {
   const double mean = 0.5 * (c[0] + c[4]);
   const double spread = std::hypot(0.5 * (c[0] - c[4]), c[1]);
   return std::sqrt(std::max(0.0, mean + spread));
-}
-
-// A scan runs counter-clockwise, so that the robot is always to the left of the
-// surface that it sees. The share of the query's surfaces that lie on pieces of
-// the grid which were seen from the same side: the two faces of a wall, or the
-// inner and the outer corner of a corridor, look alike to a matcher of points.
-// 0 if there are too few to tell.
-double ShareOfSameSide(const SurfaceGrid& grid, const ScanOutline& query,
-                       const geometry::Rigid2& target_from_query) {
-  int same = 0;
-  int told = 0;
-  size_t begin = 0;
-  for (size_t i = 0; i < query.size(); ++i) {
-    if (i > begin && query.joined[i - 1] == 0) begin = i;
-    const geometry::Vec2 along = query.points_m[i] - query.points_m[begin];
-    const double length_m = geometry::Norm(along);
-    if (length_m < kTellingPiece_m) continue;
-    const geometry::Vec2 middle = query.points_m[begin] + 0.5 * along;
-    begin = i;
-    const SurfaceGrid::Piece* piece =
-        grid.NearestPiece(target_from_query * middle);
-    if (piece == nullptr) continue;
-    const geometry::Vec2 across = piece->end - piece->begin;
-    if (geometry::Norm(across) < kTellingPiece_m) continue;
-    const geometry::Vec2 turned =
-        geometry::Rigid2{.translation = {},
-                         .yaw_rad = target_from_query.yaw_rad} *
-        along;
-    const double cosine =
-        geometry::Dot(turned, across) / (length_m * geometry::Norm(across));
-    if (std::abs(cosine) < kAlong) continue;
-    ++told;
-    same += cosine > 0 ? 1 : 0;
-  }
-  return told < kTellingPieces ? 0 : static_cast<double>(same) / told;
 }
 
 // Every so many points, each on its own.
@@ -94,14 +53,6 @@ ScanOutline Thinned(const ScanOutline& scan, size_t every) {
 
 }  // namespace
 
-// How well a keyscan is known relative to the one asked about, along the way
-// through the graph on which it is known best.
-struct LoopCloser::Reach {
-  double variance_m2 = std::numeric_limits<double>::infinity();
-  double variance_rad2 = 0;
-  double way_m = 0;
-};
-
 absl::Status LoopCloserOptions::Validate() const {
   if (recent < 1 || min_chain < 1 || max_chain < min_chain || max_chains < 1 ||
       query_scans < 1 || threads < 1 || !(overlap_m > 0) ||
@@ -111,7 +62,8 @@ absl::Status LoopCloserOptions::Validate() const {
       !(max_search_rad <= 3.2) || !(max_squared_error > 0) ||
       !(max_gap_m > 0) || !(max_gap_m_per_m >= 0) ||
       !(largest_gap_m >= max_gap_m) || !(max_tilt > 0) ||
-      !(same_ground_m >= 0)) {
+      !(same_ground_m >= 0) || !(max_contradicted >= 0) || !(suspect_m > 0) ||
+      min_followed < 0 || !(follow_m >= 0) || !(give_up_m > follow_m)) {
     return absl::InvalidArgumentError(
         "loop closer: counts and lengths must be above 0, and the largest "
         "search at least the smallest, at most 20 m and 3.2 rad");
@@ -168,6 +120,10 @@ MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
               options_.min_search_rad, options_.max_search_rad)};
 }
 
+MatchSearch LoopCloser::NearSearch() const {
+  return SearchFor({.variance_m2 = 0});
+}
+
 ScanPlane LoopCloser::PlaneOf(int keyscan) const {
   const auto slot = static_cast<size_t>(keyscan);
   return {.at = poses_[slot].translation,
@@ -189,9 +145,8 @@ bool LoopCloser::SeesTheSame(int a, int b) const {
 }
 
 std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
-    int keyscan, const std::vector<Reach>& reach, int recent,
-    int max_chains) const {
-  const geometry::Vec2 here = poses_[static_cast<size_t>(keyscan)].translation;
+    int keyscan, geometry::Vec2 here, const std::vector<Reach>& reach,
+    int recent, int max_chains) const {
   std::vector<Chain> chains;
   Chain chain;
   const auto finish = [&] {
@@ -217,7 +172,7 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     // the front end's matter, and pulls along a corridor.
     const double way_m =
         way_m_[static_cast<size_t>(keyscan)] - way_m_[static_cast<size_t>(i)];
-    if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m ||
+    if (distance_m > radius_m || way_m < MinLoop_m() ||
         !SeesTheSame(i, keyscan)) {
       if (chain.end > 0) finish();
       continue;
@@ -294,14 +249,19 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
   }
   const geometry::Rigid2& map_from_nearest =
       poses_[static_cast<size_t>(nearest)];
-  Link link = {.constraint = {.from = nearest,
-                              .to = keyscan,
-                              .from_from_to = map_from_nearest.Inverse() *
-                                              match.target_from_scan,
-                              .covariance = Turned(match.covariance,
-                                                   -map_from_nearest.yaw_rad),
-                              .may_be_wrong = true},
-               .wide = wide};
+  Link link = {
+      .constraint = {.from = nearest,
+                     .to = keyscan,
+                     .from_from_to =
+                         map_from_nearest.Inverse() * match.target_from_scan,
+                     .covariance =
+                         Turned(match.covariance, -map_from_nearest.yaw_rad),
+                     .may_be_wrong = true},
+      .wide = wide,
+      .there = ContradictionsOf(keyscan, match.target_from_scan, chain),
+      .otherwise = ContradictionsOf(
+          keyscan, poses_[static_cast<size_t>(keyscan)], chain)};
+  if (IsContradicted(link.there, link.otherwise)) return std::nullopt;
   SetClimb(match.target_from_scan, &link.constraint);
   return link;
 }
@@ -321,18 +281,17 @@ void LoopCloser::SetClimb(const geometry::Rigid2& map_from_to,
                               0.5 * TiltBetween(from, to) * length_m;
 }
 
-std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
-                                                     const Chain& chain,
-                                                     const Reach& reach) const {
+std::optional<LoopCloser::Link> LoopCloser::TryChain(
+    int keyscan, const Chain& chain, const geometry::Rigid2& map_from_expected,
+    MatchSearch search) const {
   const auto slot = static_cast<size_t>(keyscan);
   const std::vector<PlacedScan> references = Placed(chain);
-  MatchSearch search = SearchFor(reach);
   const bool wide = search.half_extent_m > options_.wide_m;
   ScanOutline several;
   if (wide) several = QueryScan(keyscan, options_.query_scans);
   const ScanOutline& query = wide ? several : *scans_[slot];
   if (query.empty()) return std::nullopt;
-  geometry::Rigid2 guess = poses_[slot];
+  geometry::Rigid2 guess = map_from_expected;
   if (wide) {
     ScanMatcherOptions coarse = matcher_;
     coarse.cell_m *= kCoarse;
@@ -356,9 +315,7 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
   if (ShareOfSameSide(grid, query, match.target_from_scan) < kSameSide) {
     return std::nullopt;
   }
-  if (wide && IsAmbiguous(references, query, poses_[slot], match)) {
-    return std::nullopt;
-  }
+  if (IsAmbiguous(references, query, poses_[slot], match)) return std::nullopt;
   return Verified(keyscan, chain, match, wide);
 }
 
@@ -382,6 +339,7 @@ bool LoopCloser::IsAmbiguous(std::span<const PlacedScan> references,
 bool LoopCloser::Add(const NewKeyscan& added) {
   const int keyscan = static_cast<int>(scans_.size());
   scans_.push_back(added.scan);
+  seen_.emplace_back(*added.scan);
   slopes_.push_back(added.slope);
   constraints_of_.emplace_back();
   if (keyscan == 0) {
@@ -405,30 +363,37 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   if (!options_.enabled || keyscan <= options_.recent) return false;
   const std::vector<Reach> reach = ReachFrom(keyscan);
   const std::vector<Chain> chains =
-      ChainsNear(keyscan, reach, options_.recent, options_.max_chains);
+      ChainsNear(keyscan, poses_.back().translation, reach, options_.recent,
+                 options_.max_chains);
   std::vector<std::optional<Link>> links(chains.size());
-  base::ParallelFor(
-      static_cast<int64_t>(chains.size()), options_.threads, [&](int64_t i) {
-        const Chain& chain = chains[static_cast<size_t>(i)];
-        const Reach& from_chain = reach[static_cast<size_t>(chain.nearest)];
-        // What is known well already can wait until all is tied once more.
-        if (SearchFor(from_chain).half_extent_m <= options_.wide_m &&
-            keyscan % kNarrowEvery != 0) {
-          return;
-        }
-        links[static_cast<size_t>(i)] = TryChain(keyscan, chain, from_chain);
-      });
+  base::ParallelFor(static_cast<int64_t>(chains.size()), options_.threads,
+                    [&](int64_t i) {
+                      const Chain& chain = chains[static_cast<size_t>(i)];
+                      const MatchSearch search =
+                          SearchFor(reach[static_cast<size_t>(chain.nearest)]);
+                      // What is known well already can wait until all is tied
+                      // once more.
+                      if (search.half_extent_m <= options_.wide_m &&
+                          keyscan % kNarrowEvery != 0) {
+                        return;
+                      }
+                      links[static_cast<size_t>(i)] =
+                          TryChain(keyscan, chain, poses_.back(), search);
+                    });
   statistics_.tried += static_cast<int64_t>(chains.size());
+  FollowSuspects(keyscan);
+  const bool bends = BelieveSuspect(false);
   bool moves = false;
   for (const std::optional<Link>& link : links) {
     if (!link.has_value()) continue;
-    ++statistics_.accepted;
-    statistics_.wide_accepted += link->wide ? 1 : 0;
+    if (link->wide && Moved_m(link->constraint) > options_.suspect_m) {
+      Suspect(*link);
+      continue;
+    }
     moves = moves || SquaredError(link->constraint, poses_) > kMovesGraph;
-    Tie(link->constraint);
-    ++waiting_;
+    Believe(*link);
   }
-  if (waiting_ == 0 || (!moves && waiting_ < kMaxWaiting)) return false;
+  if (waiting_ == 0 || (!moves && waiting_ < kMaxWaiting)) return bends;
   Optimize();
   return true;
 }
@@ -463,6 +428,13 @@ void LoopCloser::Optimize() {
   IndexConstraints();
 }
 
+void LoopCloser::Believe(const Link& link) {
+  ++statistics_.accepted;
+  statistics_.wide_accepted += link.wide ? 1 : 0;
+  Tie(link.constraint);
+  ++waiting_;
+}
+
 void LoopCloser::Tie(const PoseConstraint& constraint) {
   const int index = static_cast<int>(constraints_.size());
   constraints_.push_back(constraint);
@@ -482,6 +454,7 @@ void LoopCloser::IndexConstraints() {
 void LoopCloser::Polish(int rounds) {
   if (!options_.enabled) return;
   if (waiting_ > 0) Optimize();
+  BelieveSuspect(true);
   for (int round = 0; round < rounds; ++round) Relink();
 }
 
@@ -490,11 +463,13 @@ void LoopCloser::Relink() {
   base::ParallelFor(
       static_cast<int64_t>(scans_.size()), options_.threads, [&](int64_t i) {
         const int keyscan = static_cast<int>(i);
-        const std::vector<Chain> chains = ChainsNear(
-            keyscan, {}, options_.polish_recent, options_.polish_chains);
+        const geometry::Rigid2& here = poses_[static_cast<size_t>(i)];
+        const std::vector<Chain> chains =
+            ChainsNear(keyscan, here.translation, {}, options_.polish_recent,
+                       options_.polish_chains);
         for (const Chain& chain : chains) {
           const std::optional<Link> link =
-              TryChain(keyscan, chain, Reach{.variance_m2 = 0});
+              TryChain(keyscan, chain, here, NearSearch());
           if (link.has_value()) links[static_cast<size_t>(i)].push_back(*link);
         }
       });

@@ -3,6 +3,7 @@
 #define NAV_AGENT_MAPPING_LOOP_CLOSER_H_
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,6 +12,7 @@
 #include "absl/status/status.h"
 #include "common/geometry/rigid2.h"
 #include "nav_agent/mapping/pose_graph.h"
+#include "nav_agent/mapping/scan_agreement.h"
 #include "nav_agent/mapping/scan_matcher.h"
 #include "nav_agent/mapping/scan_outline.h"
 #include "nav_agent/mapping/scan_plane.h"
@@ -52,6 +54,16 @@ struct LoopCloserOptions {
   double min_distinction = 0.1;
   double max_sigma_m = 0.15;
   double max_sigma_rad = 0.05;
+  // Nor may more of what the scans can tell of each other stand where the other
+  // looked through than where the graph has them: by this share of it.
+  double max_contradicted = 0.04;
+  // A loop that moves the robot by more than suspect_m is followed before it is
+  // believed: min_followed later scans must be found where it puts them, over
+  // at least follow_m of the way (m). It is given up after give_up_m.
+  double suspect_m = 0.5;
+  int min_followed = 3;
+  double follow_m = 1.5;
+  double give_up_m = 8;
   // Loops that the optimised graph contradicts by more than this squared error
   // (3 degrees of freedom) are dropped.
   double max_squared_error = 30.0;
@@ -99,6 +111,11 @@ struct LoopCloserStatistics {
   int64_t accepted = 0;
   int64_t wide_accepted = 0;
   int64_t dropped = 0;
+  // Loops that were followed, and those of them that were given up.
+  int64_t suspected = 0;
+  int64_t given_up = 0;
+  // Times that such loops, tried, laid other scans upon what was seen through.
+  int64_t undone = 0;
   int64_t optimizations = 0;
 };
 
@@ -122,7 +139,13 @@ class LoopCloser {
   std::span<const PoseConstraint> constraints() const { return constraints_; }
 
  private:
-  struct Reach;
+  // How well a keyscan is known relative to the one asked about, along the way
+  // through the graph on which it is known best.
+  struct Reach {
+    double variance_m2 = std::numeric_limits<double>::infinity();
+    double variance_rad2 = 0;
+    double way_m = 0;
+  };
   struct Chain {
     int begin = 0;
     int end = 0;  // one past the last
@@ -132,29 +155,74 @@ class LoopCloser {
   struct Link {
     PoseConstraint constraint;
     bool wide = false;
+    // Between the scan and those of the chain, where the loop puts it and where
+    // the graph did.
+    Contradictions there;
+    Contradictions otherwise;
+  };
+
+  // A loop that would move the robot far, and what came of following it.
+  struct SuspectedLoop {
+    std::vector<Link> links;  // the first one is what is suspected
+    int against = 0;  // keyscans that are contradicted where it puts them
   };
 
   std::vector<Reach> ReachFrom(int keyscan) const;
   // reach empty: places are taken as they are.
-  std::vector<Chain> ChainsNear(int keyscan, const std::vector<Reach>& reach,
-                                int recent, int max_chains) const;
+  std::vector<Chain> ChainsNear(int keyscan, geometry::Vec2 here,
+                                const std::vector<Reach>& reach, int recent,
+                                int max_chains) const;
   MatchSearch SearchFor(const Reach& reach) const;
+  MatchSearch NearSearch() const;
+  // A loop is at least this long.
+  double MinLoop_m() const { return 3 * options_.overlap_m; }
+  // The keyscan among those of a chain, near to where it is expected.
   std::optional<Link> TryChain(int keyscan, const Chain& chain,
-                               const Reach& reach) const;
+                               const geometry::Rigid2& map_from_expected,
+                               MatchSearch search) const;
   std::optional<Link> Verified(int keyscan, const Chain& chain,
                                const ScanMatch& match, bool wide) const;
-  // Whether the expected place fits about as well as the one that was found.
+  // Whether the place where the graph has the robot fits about as well as one
+  // that was found far from it.
   bool IsAmbiguous(std::span<const PlacedScan> references,
                    const ScanOutline& query,
                    const geometry::Rigid2& map_from_expected,
                    const ScanMatch& match) const;
   ScanOutline QueryScan(int keyscan, int count) const;
   std::vector<PlacedScan> Placed(const Chain& chain) const;
+  // Between the keyscan at a place and those of a chain, both ways.
+  Contradictions ContradictionsOf(int keyscan,
+                                  const geometry::Rigid2& map_from_keyscan,
+                                  const Chain& chain) const;
   ScanPlane PlaneOf(int keyscan) const;
   bool SeesTheSame(int a, int b) const;
   // How much higher `to` is than `from`, by the ground that both stand on.
   void SetClimb(const geometry::Rigid2& map_from_to,
                 PoseConstraint* constraint) const;
+  Contradictions Between(int a, int b, const geometry::Rigid2& a_from_b) const;
+  // Between keyscans of different passes that are near to each other.
+  Contradictions ContradictionsAmong() const;
+  bool IsContradicted(const Contradictions& there,
+                      const Contradictions& otherwise) const {
+    return there.contradicted >
+           otherwise.contradicted + options_.max_contradicted * there.told;
+  }
+  double Moved_m(const PoseConstraint& loop) const;
+  // Where the robot is at a keyscan if a suspected loop is right.
+  geometry::Rigid2 PlaceIf(const SuspectedLoop& suspect, int keyscan) const;
+  // Adds a loop to those that are followed, unless one of them says the same.
+  void Suspect(const Link& link);
+  // Looks for a new keyscan where suspects put it.
+  void FollowSuspects(int keyscan);
+  double Followed_m(const SuspectedLoop& suspect) const;
+  bool IsConfirmed(const SuspectedLoop& suspect, bool is_last_chance) const;
+  // Takes the suspect that was found most often, if it is confirmed, and gives
+  // up others. Whether places have changed.
+  bool BelieveSuspect(bool is_last_chance);
+  // Optimises with these loops, unless other scans then stand in each other's
+  // way; whether it was done.
+  bool TryBending(const std::vector<Link>& links);
+  void Believe(const Link& link);
   void Optimize();
   void Tie(const PoseConstraint& constraint);
   void IndexConstraints();
@@ -164,6 +232,7 @@ class LoopCloser {
   const ScanMatcherOptions matcher_;
   const PoseGraphOptions graph_;
   std::vector<std::shared_ptr<const ScanOutline>> scans_;
+  std::vector<SeenSpace> seen_;
   std::vector<geometry::Rigid2> poses_;
   std::vector<double> heights_m_;
   std::vector<geometry::Vec2> slopes_;  // of the ground, in the base's axes
@@ -171,6 +240,7 @@ class LoopCloser {
   bool climbs_ = false;                 // whether anything is not level
   std::vector<PoseConstraint> constraints_;
   std::vector<std::vector<int>> constraints_of_;  // a keyscan
+  std::vector<SuspectedLoop> suspects_;
   int waiting_ = 0;  // links that were not optimised yet
   LoopCloserStatistics statistics_;
 };

@@ -1,5 +1,6 @@
 #include "nav_agent/mapping/loop_closer.h"
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -93,6 +94,73 @@ TEST(LoopCloser, PlacesThatAreAlikeAreNotTakenForEachOther) {
           << period_m << ", " << stretch;
     }
   }
+}
+
+// So many sides of a way round a hall, by odometry that is too long and turns:
+// after four sides the robot is where the map says that it is not.
+LoopCloser RoundHall(size_t sides, const LoopCloserOptions& options,
+                     std::vector<geometry::Rigid2>& truth) {
+  std::vector<TestWall> walls;
+  AddBox({-1.5, -1.5}, {13.5, 9.5}, &walls);
+  AddBox({1.5, 1.5}, {10.5, 6.5}, &walls);
+  AddBox({4, -1.5}, {5, -1.0}, &walls);
+  AddBox({13, 3}, {13.5, 4}, &walls);
+  AddBox({7, 9.1}, {7.6, 9.5}, &walls);
+  AddBox({-1.5, 5}, {-1.2, 6}, &walls);
+  const std::vector<geometry::Vec2> corners = {
+      {0, 0}, {12, 0}, {12, 8}, {0, 8}};
+  truth.clear();
+  for (size_t side = 0; side < sides; ++side) {
+    const geometry::Vec2 from = corners[side % 4];
+    const geometry::Vec2 way = corners[(side + 1) % 4] - from;
+    const double yaw_rad = std::atan2(way.y, way.x);
+    const int steps = static_cast<int>(geometry::Norm(way) / kStep_m);
+    for (int i = 0; i < steps; ++i) {
+      truth.push_back({from + (static_cast<double>(i) / steps) * way, yaw_rad});
+    }
+  }
+  LoopCloser closer(options, {}, {});
+  const core::RangeSensorInfo laser = TestLaser(6);
+  for (size_t i = 0; i < truth.size(); ++i) {
+    NewKeyscan added;
+    added.scan = std::make_shared<const ScanOutline>(
+        MakeScanOutline(CastScan(walls, truth[i], laser, 0.01, i), laser, {}));
+    if (i > 0) {
+      added.previous_from_this = truth[i - 1].Inverse() * truth[i];
+      added.previous_from_this.translation =
+          1.02 * added.previous_from_this.translation;
+      added.previous_from_this.yaw_rad += 0.001;
+    }
+    added.covariance = {0.0025, 0, 0, 0, 1e-3, 0, 0, 0, 1e-4};
+    closer.Add(added);
+  }
+  return closer;
+}
+
+double EndError_m(const LoopCloser& closer,
+                  const std::vector<geometry::Rigid2>& truth) {
+  return geometry::Norm(closer.Places().back().map_from_base.translation -
+                        truth.back().translation);
+}
+
+TEST(LoopCloser, LoopsThatMoveTheRobotFarAreFollowedAndThenBelieved) {
+  std::vector<geometry::Rigid2> truth;
+  const LoopCloser closer = RoundHall(7, {.suspect_m = 0.2}, truth);
+  EXPECT_GT(closer.statistics().suspected, 0);
+  EXPECT_GT(closer.statistics().wide_accepted, 0);
+  EXPECT_EQ(WrongLoops(closer, truth), 0);
+  EXPECT_LT(EndError_m(closer, truth), 0.3);
+}
+
+TEST(LoopCloser, WhatIsFollowedIsDecidedAtTheEndAtTheLatest) {
+  LoopCloserOptions never = {.suspect_m = 0.2, .follow_m = 100};
+  never.give_up_m = 1000;
+  std::vector<geometry::Rigid2> truth;
+  LoopCloser closer = RoundHall(5, never, truth);
+  ASSERT_GT(closer.statistics().suspected, 0);
+  const double open_m = EndError_m(closer, truth);
+  closer.Polish(1);
+  EXPECT_LT(EndError_m(closer, truth), 0.5 * open_m);
 }
 
 }  // namespace

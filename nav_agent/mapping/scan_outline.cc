@@ -62,6 +62,8 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
                             const ScanOutlineOptions& options,
                             const geometry::Rigid2& first_from_last) {
   ScanOutline scan;
+  scan.seen_from = {level_from_laser.translation.x,
+                    level_from_laser.translation.y};
   const bool moves = first_from_last != geometry::Rigid2{};
   const double per_beam = 1.0 / std::max<double>(1, laser.beams - 1);
   int last_beam = -2;          // of the return before this one

@@ -38,6 +38,8 @@ struct ScanOutlineOptions {
 struct ScanOutline {
   std::vector<geometry::Vec2> points_m;
   std::vector<uint8_t> joined;
+  // Where the laser was.
+  geometry::Vec2 seen_from = {};
 
   size_t size() const { return points_m.size(); }
   bool empty() const { return points_m.empty(); }
