@@ -46,7 +46,8 @@ std::vector<Line> SplitLines(absl::string_view text) {
 absl::string_view WithoutComment(absl::string_view line) {
   for (size_t at = line.find('#'); at != absl::string_view::npos;
        at = line.find('#', at + 1)) {
-    if (at == 0 || absl::ascii_isspace(line[at - 1])) {
+    if (at == 0 ||
+        absl::ascii_isspace(static_cast<unsigned char>(line[at - 1]))) {
       line = line.substr(0, at);
       break;
     }

@@ -145,7 +145,8 @@ bool IsPadding(tjhandle handle) {
 absl::StatusOr<ColorImage> DecodeJpeg(absl::string_view bytes,
                                       const DecodeLimits& limits) {
   TL_ASSIGN_OR_RETURN(const OpenedJpeg jpeg, OpenJpeg(bytes, limits));
-  const auto [width, height] = jpeg.size;
+  const int width = jpeg.size.width;
+  const int height = jpeg.size.height;
   ColorImage image{.width = width, .height = height, .rgb = {}};
   image.rgb.resize(static_cast<size_t>(width) * static_cast<size_t>(height) *
                    3);
