@@ -1,4 +1,5 @@
 // treeline-client: asks a Treeline server, from a shell.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "client/cli/watch_command.h"
 #include "common/base/interrupt.h"
 #include "common/base/version.h"
+#include "common/cli/arguments.h"
 
 namespace treeline::client_cli {
 namespace {
@@ -23,6 +25,7 @@ a condition of bench --fail-if holds, 130 interrupted.)";
 int Run(int argc, char** argv) {
   const std::stop_token stop = base::StopOnInterrupt();
   CLI::App app("Asks a Treeline server where a camera is.", "treeline-client");
+  app.formatter(cli::HelpFormatter());
   app.footer(kFooter);
   app.set_version_flag("--version",
                        std::string("treeline-client ") + base::Version());
@@ -30,11 +33,9 @@ int Run(int argc, char** argv) {
   const std::vector<ClientCommand> commands = {
       AddLocalizeCommand(app), AddScenesCommand(app), AddBenchCommand(app),
       AddWatchCommand(app)};
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // 0 for --help and --version.
-    return app.exit(error) == 0 ? 0 : kExitUsage;
+  if (const std::optional<int> exit_code =
+          cli::ParseArguments(app, argc, argv)) {
+    return *exit_code;
   }
   for (const ClientCommand& command : commands) {
     if (command.app->parsed()) return command.run(stop);

@@ -38,6 +38,34 @@ absl::Status WriteAll(int fd, absl::string_view contents,
   return absl::OkStatus();
 }
 
+enum class Target { kFile, kStandardOutput, kDevice };
+
+// What is at `path`, if anything: a file, what standard output goes to
+// (/dev/stdout), or a device or pipe (/dev/null). Another file in the place of
+// the last two would take them from whoever else has them.
+Target TargetOf(const std::string& path) {
+  struct stat info {};
+  struct stat output {};
+  if (stat(path.c_str(), &info) != 0) return Target::kFile;
+  if (fstat(STDOUT_FILENO, &output) == 0 && info.st_dev == output.st_dev &&
+      info.st_ino == output.st_ino) {
+    return Target::kStandardOutput;
+  }
+  return S_ISREG(info.st_mode) || S_ISDIR(info.st_mode) ? Target::kFile
+                                                        : Target::kDevice;
+}
+
+absl::Status WriteInto(Target target, absl::string_view contents,
+                       const std::string& path) {
+  if (target == Target::kStandardOutput) {
+    std::fflush(stdout);
+    return WriteAll(STDOUT_FILENO, contents, path);
+  }
+  const Descriptor device(open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (device.get() < 0) return SystemError("opening", path);
+  return WriteAll(device.get(), contents, path);
+}
+
 absl::StatusOr<uint64_t> RegularFileSize(int fd, const std::string& path) {
   struct stat info {};
   if (fstat(fd, &info) != 0) return SystemError("reading", path);
@@ -77,6 +105,9 @@ absl::StatusOr<std::string> ReadFile(const std::string& path,
 
 absl::Status WriteFileAtomically(const std::string& path,
                                  absl::string_view contents) {
+  if (const Target target = TargetOf(path); target != Target::kFile) {
+    return WriteInto(target, contents, path);
+  }
   const std::string temporary = absl::StrCat(path, ".tmp-", getpid());
   {
     const Descriptor file(open(temporary.c_str(),
@@ -116,6 +147,10 @@ absl::Status CheckWritable(const std::string& path) {
   if (std::filesystem::is_directory(path, ignored)) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, " is a folder; give the name of a file"));
+  }
+  if (TargetOf(path) != Target::kFile) {
+    return access(path.c_str(), W_OK) == 0 ? absl::OkStatus()
+                                           : SystemError("writing", path);
   }
   std::string folder = std::filesystem::path(path).parent_path().string();
   if (folder.empty()) folder = ".";

@@ -18,8 +18,8 @@ absl::StatusOr<std::string> ReadFile(const std::string& path,
                                      uint64_t max_bytes = 1u << 30);
 
 // Replaces `path` atomically: writes path + ".tmp-<pid>" beside it, syncs,
-// renames. On any failure (unwritable folder, full disk) the old file stays
-// and the temporary one is removed.
+// renames. On any failure (full disk) the old file stays and the temporary one
+// is removed. Devices, pipes and standard output are written into.
 absl::Status WriteFileAtomically(const std::string& path,
                                  absl::string_view contents);
 

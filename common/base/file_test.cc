@@ -1,10 +1,12 @@
 #include "common/base/file.h"
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -129,6 +131,38 @@ TEST_F(FileTest, AFailedRenameLeavesNoTemporary) {
   EXPECT_FALSE(WriteFileAtomically(Path("target"), "bytes").ok());
   EXPECT_EQ(FilesInFolder(), 1);
   EXPECT_TRUE(ReadFile(Path("target/entry")).ok());
+}
+
+TEST_F(FileTest, APipeStaysOneAndGetsTheBytes) {
+  const std::string path = Path("pipe");
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  const int reader = open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_EQ(CheckWritable(path), absl::OkStatus());
+  EXPECT_EQ(WriteFileAtomically(path, "bytes"), absl::OkStatus());
+  char bytes[16];
+  EXPECT_EQ(read(reader, bytes, sizeof(bytes)), 5);
+  close(reader);
+  EXPECT_TRUE(std::filesystem::is_fifo(path));
+  EXPECT_EQ(FilesInFolder(), 1);
+}
+
+// As a shell's `program --json /dev/stdout > out` has it.
+TEST_F(FileTest, StandardOutputThatIsAFileGetsBytesBehindWhatWasPrinted) {
+  std::fflush(stdout);
+  const int saved = dup(STDOUT_FILENO);
+  const std::string path = Path("out");
+  const int out = open(path.c_str(), O_WRONLY | O_CREAT, 0600);
+  dup2(out, STDOUT_FILENO);
+  std::printf("before ");
+  const absl::Status written = WriteFileAtomically("/dev/stdout", "bytes");
+  std::printf(" after");
+  std::fflush(stdout);
+  dup2(saved, STDOUT_FILENO);
+  close(saved);
+  close(out);
+  EXPECT_EQ(written, absl::OkStatus());
+  EXPECT_EQ(*ReadFile(path), "before bytes after");
 }
 
 TEST_F(FileTest, ChecksAheadWhetherAPathCanBeWritten) {

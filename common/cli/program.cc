@@ -1,15 +1,14 @@
 #include "common/cli/program.h"
 
 #include <cstdio>
-#include <memory>
-#include <sstream>
+#include <optional>
 #include <utility>
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "common/base/interrupt.h"
 #include "common/base/version.h"
+#include "common/cli/arguments.h"
 
 namespace treeline::cli {
 namespace {
@@ -18,47 +17,6 @@ constexpr int kOk = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 constexpr int kInterrupted = 130;
-
-// Help of at most 80 columns: CLI11 2.1 does not break lines itself.
-class WrappingFormatter final : public CLI::Formatter {
- public:
-  WrappingFormatter() { column_width(kColumn); }
-
-  std::string make_description(const CLI::App* app) const override {
-    return Wrapped(CLI::Formatter::make_description(app), kWidth);
-  }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return Wrapped(CLI::Formatter::make_option_desc(option), kWidth - kColumn);
-  }
-  std::string make_subcommand(const CLI::App* command) const override {
-    std::ostringstream out;
-    CLI::detail::format_help(
-        out, command->get_name(),
-        Wrapped(command->get_description(), kWidth - kColumn), kColumn);
-    return out.str();
-  }
-
- private:
-  static constexpr size_t kWidth = 80;
-  static constexpr size_t kColumn = 28;
-
-  static std::string Wrapped(const std::string& text, size_t width) {
-    std::string wrapped;
-    size_t column = 0;
-    for (const absl::string_view word : absl::StrSplit(text, ' ')) {
-      if (column > 0 && column + 1 + word.size() > width) {
-        wrapped += '\n';
-        column = 0;
-      } else if (column > 0) {
-        wrapped += ' ';
-        ++column;
-      }
-      absl::StrAppend(&wrapped, word);
-      column += word.size();
-    }
-    return wrapped;
-  }
-};
 
 // Shows what a subcommand said, and returns the exit code for it.
 int Finish(const std::string& command, const absl::Status& status) {
@@ -96,7 +54,7 @@ int RunProgram(
     int argc, char** argv) {
   const std::stop_token stop = base::StopOnInterrupt();
   CLI::App app(text.description, text.name);
-  app.formatter(std::make_shared<WrappingFormatter>());
+  app.formatter(HelpFormatter());
   app.footer(absl::StrCat(
       "\n", text.name,
       " COMMAND --help explains a command and gives examples.\n\n"
@@ -105,11 +63,8 @@ int RunProgram(
                        absl::StrCat(text.name, " ", base::Version()));
   app.require_subcommand(1);
   const std::vector<Command> commands = add_commands(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // 0 for --help and --version.
-    return app.exit(error) == 0 ? kOk : kUsage;
+  if (const std::optional<int> exit_code = ParseArguments(app, argc, argv)) {
+    return *exit_code;
   }
   for (const Command& command : commands) {
     if (command.app->parsed()) {

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/connect_rpc/connect_error.h"
 
@@ -11,6 +12,10 @@ namespace {
 
 // A message quotes the JSON where it goes wrong; the rest is of no use.
 constexpr size_t kLongestComplaint = 300;
+// What is wrong with bytes, mostly: `base64` of a shell breaks lines, and
+// browsers make URLs of files.
+constexpr absl::string_view kBytesHint =
+    "; bytes are base64 without line breaks and without \"data:...,\" in front";
 
 // Where the string that begins at `quote` ends: the index behind its closing
 // quote, which is of the same kind, or the end of `json`.
@@ -79,7 +84,8 @@ absl::Status MessageFromJson(absl::string_view json,
                                     parsed.message().size());
   return InvalidRequest(absl::StrCat(
       "JSON: ",
-      absl::Utf8SafeCHexEscape(complaint.substr(0, kLongestComplaint))));
+      absl::Utf8SafeCHexEscape(complaint.substr(0, kLongestComplaint)),
+      absl::StrContains(complaint, "TYPE_BYTES") ? kBytesHint : ""));
 }
 
 absl::StatusOr<std::string> JsonFromMessage(

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "treeline/v1/relocalization.pb.h"
 
 namespace treeline::connect_rpc {
@@ -83,6 +84,18 @@ TEST(JsonMessage, ReadsOrientationAndPriors) {
   EXPECT_EQ(request.frame().gravity_in_camera_mps2().x(), 9.81);
   EXPECT_EQ(request.options().position_prior().radius_m(), 3);
   EXPECT_EQ(request.options().height_band().up_in_world().y(), -1);
+}
+
+TEST(JsonMessage, SaysWhatBase64MustBe) {
+  v1::LocalizeRequest request;
+  for (const char* encoded :
+       {"data:image/jpeg;base64,/9j/", R"(/9j/4AA\n/9j/)"}) {
+    const absl::Status refused = MessageFromJson(
+        absl::StrCat(R"({"frame":{"color":{"encoded":")", encoded, "\"}}}"),
+        request);
+    EXPECT_THAT(std::string(refused.message()),
+                HasSubstr("without line breaks"));
+  }
 }
 
 TEST(JsonMessage, NamesTheFieldThatIsWrong) {

@@ -384,6 +384,13 @@ TEST_F(TumDatasetTest, WithoutGroundTruthNoFrameHasAPose) {
   EXPECT_FALSE(dataset->frame(0).world_from_camera.has_value());
 }
 
+TEST_F(TumDatasetTest, AGroundTruthOfAnotherClockIsAnError) {
+  Write("groundtruth.txt", "0.00 0 0 0 0 0 0 1\n0.02 4 0 0 0 0 0 1\n");
+  EXPECT_THAT(
+      ErrorOf(Tum(), absl::StatusCode::kInvalidArgument),
+      AllOf(HasSubstr("poses from 0.000 to 0.020 s"), HasSubstr("10.000 to")));
+}
+
 TEST_F(TumDatasetTest, ADepthCameraContradictsRegisteredDepth) {
   DatasetOptions options = Tum();
   options.depth_camera = "PINHOLE,585,585,320,240";

@@ -41,6 +41,20 @@ std::vector<Line> SplitLines(absl::string_view text) {
   return lines;
 }
 
+// A line of a frame list without blanks at its ends and its comment, which
+// begins it or follows a blank: names of pictures may have both inside.
+absl::string_view WithoutComment(absl::string_view line) {
+  for (size_t at = line.find('#'); at != absl::string_view::npos;
+       at = line.find('#', at + 1)) {
+    if (at == 0 ||
+        absl::ascii_isspace(static_cast<unsigned char>(line[at - 1]))) {
+      line = line.substr(0, at);
+      break;
+    }
+  }
+  return absl::StripAsciiWhitespace(line);
+}
+
 // Reports a name that was there before.
 class Duplicates {
  public:
@@ -59,9 +73,29 @@ class Duplicates {
   std::unordered_map<std::string, int> lines_;
 };
 
+// "1.305031241529758e+09", as NumPy and printf write it, without its exponent:
+// "1305031241.529758". Other texts stay as they are. Such a number was a
+// double, which knows a time of this epoch to a quarter of a microsecond: it is
+// rounded to a whole one, the finest that recordings have.
+std::string WithoutExponent(absl::string_view text) {
+  constexpr int kMaxExponent = 9;
+  const size_t e = text.find_first_of("eE");
+  double seconds = 0;
+  int exponent = 0;
+  if (e == absl::string_view::npos || e + 4 != text.size() ||
+      (text[e + 1] != '+' && text[e + 1] != '-') ||
+      !absl::SimpleAtoi(text.substr(e + 1), &exponent) ||
+      exponent > kMaxExponent || !absl::SimpleAtod(text, &seconds)) {
+    return std::string(text);
+  }
+  return absl::StrFormat("%.6f", seconds);
+}
+
 }  // namespace
 
-absl::StatusOr<Time_ns> ParseTime_ns(absl::string_view text) {
+absl::StatusOr<Time_ns> ParseTime_ns(absl::string_view written) {
+  const std::string text_without_exponent = WithoutExponent(written);
+  const absl::string_view text = text_without_exponent;
   const size_t point = std::min(text.find('.'), text.size());
   const absl::string_view seconds = text.substr(0, point);
   const absl::string_view decimals =
@@ -73,7 +107,7 @@ absl::StatusOr<Time_ns> ParseTime_ns(absl::string_view text) {
   if (seconds.empty() || !is_digits(seconds) || !is_digits(decimals) ||
       !absl::SimpleAtoi(seconds, &whole) || whole > 9'000'000'000) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "'", absl::CHexEscape(text), "' is not a time stamp in seconds"));
+        "'", absl::CHexEscape(written), "' is not a time stamp in seconds"));
   }
   Time_ns fraction = 0;
   Time_ns unit = kSecond_ns / 10;
@@ -88,21 +122,19 @@ absl::StatusOr<std::vector<ListedStem>> ParseFrameList(
     absl::string_view text, const std::string& file) {
   std::vector<ListedStem> stems;
   Duplicates duplicates(file);
-  for (const Line& line : SplitLines(text)) {
-    if (line.words.size() != 1) {
-      return LineError(file, line.number,
-                       absl::StrCat("expected one frame stem, found ",
-                                    line.words.size(), " words"));
-    }
-    std::string stem(line.words[0]);
+  int number = 0;
+  for (const absl::string_view line : absl::StrSplit(text, '\n')) {
+    ++number;
+    const std::string stem(WithoutComment(line));
+    if (stem.empty()) continue;
     if (LeadsOutside(stem) ||
         absl::StrContains(stem, absl::string_view("\0", 1))) {
-      return LineError(file, line.number,
+      return LineError(file, number,
                        absl::StrCat("'", absl::CHexEscape(stem),
                                     "' is not a frame stem of the data set"));
     }
-    TL_RETURN_IF_ERROR(duplicates.Add(stem, line.number));
-    stems.push_back({std::move(stem), line.number});
+    TL_RETURN_IF_ERROR(duplicates.Add(stem, number));
+    stems.push_back({stem, number});
   }
   if (stems.empty()) {
     return absl::InvalidArgumentError(

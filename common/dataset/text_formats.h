@@ -20,8 +20,8 @@ namespace treeline::dataset {
 using Time_ns = int64_t;
 
 // "1305031241.529758" -> 1305031241529758000. Digits beyond the ninth decimal
-// are dropped. INVALID_ARGUMENT for anything but digits and one point, and for
-// times beyond the year 2262.
+// are dropped. "1.305031241529758e+09" is the same time, to the microsecond.
+// INVALID_ARGUMENT for anything else, and for times beyond the year 2262.
 absl::StatusOr<Time_ns> ParseTime_ns(absl::string_view text);
 
 // One stem a line.
@@ -29,8 +29,9 @@ struct ListedStem {
   std::string stem;
   int line = 0;
 };
-// Also errors: an empty list, a stem that is listed twice, leads out of the
-// data set ("../x", "/x"), or has spaces.
+// A stem may have blanks inside, and a '#' that follows none: photographs have
+// such names. Also errors: an empty list, a stem that is listed twice or leads
+// out of the data set ("../x", "/x").
 absl::StatusOr<std::vector<ListedStem>> ParseFrameList(absl::string_view text,
                                                        const std::string& file);
 

@@ -8,6 +8,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "common/base/file.h"
 #include "common/base/folder.h"
@@ -76,6 +77,26 @@ absl::StatusOr<std::vector<TimedPose>> ReadGroundTruth(
   if (absl::IsNotFound(text.status())) return std::vector<TimedPose>();
   if (!text.ok()) return text.status();
   return ParseTimedPoses(*text, path);
+}
+
+// A ground truth of other times than the images': of another clock, say.
+absl::Status CheckTimesMeet(const std::vector<TimedFile>& colors,
+                            const std::vector<TimedPose>& poses,
+                            const std::string& folder) {
+  const auto has_pose = [&](const TimedFile& color) {
+    return InterpolatePose(poses, color.time, kMaxPoseGap).has_value();
+  };
+  if (poses.empty() || std::ranges::any_of(colors, has_pose)) {
+    return absl::OkStatus();
+  }
+  constexpr double kSecond_ns = 1e9;
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "%s/groundtruth.txt: has poses from %.3f to %.3f s, and images are of "
+      "%.3f to %.3f s: none is between two poses that are at most 0.1 s apart",
+      folder, static_cast<double>(poses.front().time) / kSecond_ns,
+      static_cast<double>(poses.back().time) / kSecond_ns,
+      static_cast<double>(colors.front().time) / kSecond_ns,
+      static_cast<double>(colors.back().time) / kSecond_ns));
 }
 
 }  // namespace
@@ -157,6 +178,7 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
                       ParseTimedFiles(depths_text, depths_path));
   TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> poses,
                       ReadGroundTruth(request));
+  TL_RETURN_IF_ERROR(CheckTimesMeet(colors, poses, request.path));
 
   const std::vector<int> depth_of = AssociateByTime(
       Times(colors), Times(depths),

@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 #include "common/image/depth_png.h"
 
@@ -58,9 +60,35 @@ absl::Status CheckSize(absl::string_view what, int64_t width, int64_t height,
   return absl::OkStatus();
 }
 
+// What people send in place of JPEG and PNG, by its first bytes; or nothing.
+absl::string_view OtherFormat(absl::string_view bytes) {
+  struct Magic {
+    size_t at;
+    absl::string_view bytes;
+    absl::string_view name;
+  };
+  // AVIF has HEIC's container; its brand follows "ftyp".
+  constexpr Magic kMagics[] = {
+      {4, "ftypavif", "AVIF"},  {4, "ftypavis", "AVIF"},
+      {4, "ftyphe", "HEIC"},    {4, "ftypmif1", "HEIC"},
+      {8, "WEBP", "WebP"},      {0, "GIF8", "GIF"},
+      {0, "BM", "BMP"},         {0, {"II*\0", 4}, "TIFF"},
+      {0, {"MM\0*", 4}, "TIFF"}};
+  for (const auto& [at, magic, name] : kMagics) {
+    if (bytes.size() > at && absl::StartsWith(bytes.substr(at), magic)) {
+      return name;
+    }
+  }
+  return "";
+}
+
 absl::Status NotAnImage(absl::string_view what, absl::string_view bytes) {
   if (bytes.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(what, " is empty"));
+  }
+  if (const absl::string_view other = OtherFormat(bytes); !other.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(what, " is neither JPEG nor PNG but ", other));
   }
   return absl::InvalidArgumentError(
       absl::StrCat(what, " is neither JPEG nor PNG (", bytes.size(),
@@ -100,21 +128,39 @@ absl::StatusOr<OpenedJpeg> OpenJpeg(absl::string_view bytes,
   return jpeg;
 }
 
+// Whether all that the decoder complained of are a few bytes between the last
+// pixel and the closing marker, as many USB cameras write them: after them it
+// has seen the whole picture.
+bool IsPadding(tjhandle handle) {
+  constexpr int kMostPadding = 16;
+  absl::string_view warning = tjGetErrorStr2(handle);
+  int bytes = 0;
+  return tjGetErrorCode(handle) == TJERR_WARNING &&
+         absl::ConsumePrefix(&warning, "Corrupt JPEG data: ") &&
+         absl::ConsumeSuffix(&warning,
+                             " extraneous bytes before marker 0xd9") &&
+         absl::SimpleAtoi(warning, &bytes) && bytes <= kMostPadding;
+}
+
 absl::StatusOr<ColorImage> DecodeJpeg(absl::string_view bytes,
                                       const DecodeLimits& limits) {
   TL_ASSIGN_OR_RETURN(const OpenedJpeg jpeg, OpenJpeg(bytes, limits));
-  const auto [width, height] = jpeg.size;
+  const int width = jpeg.size.width;
+  const int height = jpeg.size.height;
   ColorImage image{.width = width, .height = height, .rgb = {}};
   image.rgb.resize(static_cast<size_t>(width) * static_cast<size_t>(height) *
                    3);
   // The decoder paints what is missing in grey and calls it a warning: to us
   // a warning is an error. The scan limit stops progressive bombs.
-  const int flags =
-      TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
-  if (tjDecompress2(jpeg.handle.get(), UnsignedBytes(bytes), bytes.size(),
-                    image.rgb.data(), width, 0, height, TJPF_RGB, flags) != 0) {
-    return JpegError(bytes, jpeg.handle.get());
-  }
+  constexpr int kFlags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
+  tjhandle handle = jpeg.handle.get();
+  const auto decode = [&](int flags) {
+    return tjDecompress2(handle, UnsignedBytes(bytes), bytes.size(),
+                         image.rgb.data(), width, 0, height, TJPF_RGB, flags);
+  };
+  if (decode(kFlags | TJFLAG_STOPONWARNING) == 0) return image;
+  if (!IsPadding(handle)) return JpegError(bytes, handle);
+  decode(kFlags);  // it complains again, but of nothing before the padding
   return image;
 }
 
@@ -242,8 +288,11 @@ absl::StatusOr<DepthImage> DecodeDepthPng(absl::string_view bytes,
     case ImageFormat::kJpeg:
       return absl::InvalidArgumentError(
           "depth image is a JPEG; depth must be a 16-bit grey PNG");
-    case ImageFormat::kUnknown:
-      return NotAnImage("depth image", bytes);
+    case ImageFormat::kUnknown: {
+      const absl::Status problem = NotAnImage("depth image", bytes);
+      return absl::InvalidArgumentError(
+          absl::StrCat(problem.message(), "; depth must be a 16-bit grey PNG"));
+    }
   }
   spng_ihdr header = {};
   TL_ASSIGN_OR_RETURN(const SpngContext context,

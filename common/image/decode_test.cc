@@ -278,6 +278,21 @@ TEST(DecodeColorTest, EveryTruncationIsAnError) {
   }
 }
 
+// "Corrupt JPEG data: 2 extraneous bytes before marker 0xd9".
+TEST(DecodeColorTest, PaddingBeforeTheEndOfAJpegIsNoDamage) {
+  for (const int flags : {0, TJFLAG_PROGRESSIVE}) {
+    const std::string whole = MakeJpeg(Gradient(64, 48), TJSAMP_420, flags);
+    const auto padded = [&](size_t size) {
+      std::string bytes = whole;
+      bytes.insert(bytes.size() - 2, std::string(size, '\x12'));
+      return DecodeColor(bytes);
+    };
+    ASSERT_TRUE(padded(2).ok()) << padded(2).status();
+    EXPECT_EQ(padded(2)->rgb, DecodeColor(whole)->rgb);
+    EXPECT_FALSE(padded(100).ok());
+  }
+}
+
 TEST(DecodeColorTest, FlippedBytesNeverPassAsAPng) {
   const std::string png = *EncodePng(Gradient(16, 12));
   for (size_t i = 0; i < png.size() - IgnoredTail(png); ++i) {
@@ -290,6 +305,16 @@ TEST(DecodeColorTest, FlippedBytesNeverPassAsAPng) {
 TEST(DecodeColorTest, ForeignBytesAreNamed) {
   EXPECT_THAT(ColorError(""), HasSubstr("empty"));
   EXPECT_THAT(ColorError("GIF89a......"), HasSubstr("neither JPEG nor PNG"));
+  EXPECT_THAT(ColorError({"\0\0\0\x18"
+                          "ftypheic",
+                          12}),
+              HasSubstr("HEIC"));
+  EXPECT_THAT(ColorError({"\0\0\0\x1c"
+                          "ftypavif",
+                          12}),
+              HasSubstr("AVIF"));
+  EXPECT_THAT(ColorError({"RIFF\x10\0\0\0WEBPVP8 ", 16}), HasSubstr("WebP"));
+  EXPECT_THAT(DepthError({"II*\0\x08\0\0\0", 8}), HasSubstr("TIFF"));
   EXPECT_THAT(ColorError(std::string(1000, '\0')), HasSubstr("1000 bytes"));
 }
 
@@ -347,7 +372,8 @@ TEST(DecodeDepthPngTest, OtherKindsAreRefusedByName) {
   EXPECT_THAT(DepthError(*EncodePng(color)), HasSubstr("8 bits a channel"));
   EXPECT_THAT(DepthError(*EncodeJpeg(color, 90)), HasSubstr("JPEG"));
   EXPECT_THAT(DepthError(""), HasSubstr("empty"));
-  EXPECT_THAT(DepthError("depth"), HasSubstr("neither"));
+  EXPECT_THAT(DepthError("depth"),
+              AllOf(HasSubstr("neither"), HasSubstr("16-bit grey PNG")));
   const std::vector<uint8_t> grey = {1, 2};
   EXPECT_THAT(
       DepthError(MakePng({SPNG_COLOR_TYPE_GRAYSCALE, 8}, 2, 1, grey.data(), 2)),

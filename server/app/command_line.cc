@@ -5,6 +5,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "common/base/version.h"
+#include "common/cli/arguments.h"
 #include "common/config/config_flags.h"
 #include "server/app/server_config.h"
 
@@ -113,6 +114,7 @@ CommandLine ReadCommandLine(int argc, const char* const* argv,
   }
 
   CLI::App app(kDescription, "treeline-server");
+  app.formatter(cli::HelpFormatter());
   app.footer(kFooter);
   app.set_version_flag("--version",
                        std::string("treeline-server ") + base::Version());
@@ -123,13 +125,8 @@ CommandLine ReadCommandLine(int argc, const char* const* argv,
                "Print what is in force, and where each value comes from");
   const config::ConfigFlags flags(app, ServerConfigTable().settings());
   const CLI::App* healthcheck = AddHealthcheck(app, line.healthcheck);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // 0 for --help and --version.
-    line.exit_code = app.exit(error) == 0 ? kExitOk : kExitUsage;
-    return line;
-  }
+  line.exit_code = cli::ParseArguments(app, argc, argv);
+  if (line.exit_code) return line;
   line.sources.flags = flags.Given();
   if (healthcheck->parsed()) {
     line.task = CommandLine::Task::kHealthcheck;

@@ -87,6 +87,22 @@ void LogScenes(const repository::SceneRepository& repository,
   }
 }
 
+// Models that somebody put where they are not looked for.
+void LogMisplaced(const std::string& models, logging::ProgramLog& log) {
+  constexpr size_t kMostNamed = 10;
+  if (repository::IsModelUrl(models)) return;
+  for (const std::string& path :
+       repository::MisplacedModels(models, kMostNamed)) {
+    log.Write(
+        logging::LogLevel::kWarn,
+        log.Event()
+            .Text("path", path)
+            .Message(
+                "passed over: a model is <scene>/<version>/model.treeline, "
+                "with names of A-Z a-z 0-9 . _ -"));
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<repository::SceneRepository>> OpenRepository(
@@ -113,6 +129,7 @@ absl::StatusOr<std::unique_ptr<repository::SceneRepository>> OpenRepository(
     TL_RETURN_IF_ERROR((*repository)->WaitForLoads(stop));
   }
   LogScenes(**repository, config.models, log);
+  LogMisplaced(config.models, log);
   return repository;
 }
 

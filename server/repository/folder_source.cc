@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <optional>
@@ -74,7 +75,38 @@ void AddMetadata(const fs::path& folder, const std::string& scene,
   }
 }
 
+// Whether a path relative to the root is one that is listed.
+bool IsInPlace(const fs::path& relative) {
+  const std::vector<fs::path> parts(relative.begin(), relative.end());
+  return parts.size() == 3 && parts[2] == kModelFileName &&
+         IsValidName(parts[0].string()) && IsValidName(parts[1].string());
+}
+
 }  // namespace
+
+std::vector<std::string> MisplacedModels(const std::string& root,
+                                         size_t limit) {
+  constexpr int kDeepest = 2;  // <scene>/<version>/
+  std::vector<std::string> found;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(
+      root, fs::directory_options::skip_permission_denied, error);
+  for (; !error && entry != fs::recursive_directory_iterator();
+       entry.increment(error)) {
+    const fs::path& path = entry->path();
+    const bool is_hidden = path.filename().string().starts_with('.');
+    if (is_hidden || entry.depth() == kDeepest) {
+      entry.disable_recursion_pending();
+    }
+    const fs::path relative = path.lexically_relative(root);
+    if (!is_hidden && path.extension() == ".treeline" && !IsInPlace(relative)) {
+      found.push_back(relative.string());
+    }
+  }
+  std::ranges::sort(found);
+  if (found.size() > limit) found.resize(limit);
+  return found;
+}
 
 FolderSource::FolderSource(std::string root) : root_(std::move(root)) {}
 

@@ -4,6 +4,7 @@
 
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/repository/model_source.h"
@@ -29,6 +30,12 @@ class FolderSource final : public ModelSource {
  private:
   const std::string root_;
 };
+
+// Files of models (*.treeline) below `root` that no source lists, relative to
+// it: not named <scene>/<version>/model.treeline, or with names that are not
+// valid. Hidden ones, which are on their way, and deeper ones are not looked
+// at. At most `limit`, in order of their names.
+std::vector<std::string> MisplacedModels(const std::string& root, size_t limit);
 
 }  // namespace treeline::repository
 

@@ -165,5 +165,19 @@ TEST_F(FolderSourceTest, FetchGivesThePathOrSaysThatItHasGone) {
             absl::StatusCode::kNotFound);
 }
 
+TEST_F(FolderSourceTest, ModelsThatLieElsewhereAreNamed) {
+  Put("room", "1", "good");
+  Put("my room", "1", "blank in its name");
+  Put("hall", ".2.tmp", "on its way");
+  std::ofstream(root_ / "room" / "1" / "other.treeline") << "another name";
+  std::ofstream(root_ / "room" / "model.treeline") << "no version";
+  std::ofstream(root_ / "room.treeline") << "no folder";
+  EXPECT_THAT(MisplacedModels(root_.string(), 9),
+              ElementsAre("my room/1/model.treeline", "room.treeline",
+                          "room/1/other.treeline", "room/model.treeline"));
+  EXPECT_EQ(MisplacedModels(root_.string(), 2).size(), 2u);
+  EXPECT_TRUE(MisplacedModels((root_ / "none").string(), 9).empty());
+}
+
 }  // namespace
 }  // namespace treeline::repository

@@ -46,6 +46,17 @@ TEST_F(TrainProgram, AnInterruptLeavesNoHalfModel) {
   EXPECT_EQ(FilesIn(folder_ + "/interrupted"), 0);
 }
 
+TEST_F(TrainProgram, AnInterruptLeavesNoEmptyVersion) {
+  const std::string repository = folder_ + "/repository";
+  Process train(
+      Train({"--trees", "64", "--repository", repository, "--scene", "room"}));
+  ASSERT_TRUE(train.WaitForLine("colour camera").has_value()) << train.err();
+  EXPECT_TRUE(std::filesystem::exists(repository + "/room/1"));
+  train.Signal(SIGINT);
+  EXPECT_EQ(train.WaitForExit(), 130);
+  EXPECT_FALSE(std::filesystem::exists(repository + "/room"));
+}
+
 TEST_F(TrainProgram, AFullDiskLeavesTheOldModel) {
   const std::string output = PutFile("model.treeline", "the old one");
   // A limit on file sizes fails the write as a full disk does.

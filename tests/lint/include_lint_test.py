@@ -43,7 +43,7 @@ class IncludeLintTest(FixtureTreeTest):
         self.write("server/core/localizer/localizer.h")
         self.including("client/cli/main.cc",
                        '#include "server/core/localizer/localizer.h"')
-        self.assert_one_finding("client may not know server/core/localizer")
+        self.assert_one_finding("client/cli may not know server/core/localizer")
 
     def test_finds_training_in_what_serves(self):
         self.write("server/core/training/trainer.h")

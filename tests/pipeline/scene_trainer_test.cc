@@ -241,6 +241,22 @@ TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
     right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
   }
   EXPECT_GE(right, 8);
+  // Features fit intrinsics of half the pictures' size, too, metres away.
+  const camera::Camera c = (*localizer)->info().calibration.color;
+  const double half[] = {c.fx() / 2, c.fy() / 2, c.cx() / 2, c.cy() / 2};
+  stated.color = camera::Camera::Create(camera::CameraModel::kPinhole,
+                                        c.width(), c.height(), half, 4)
+                     .value();
+  right = 0;
+  for (int i = 0; i < 80; i += 5) {
+    image::Frame frame = training::RenderBoxRoom(Calibration(), HeldOutPose(i));
+    frame.calibration = stated;
+    const auto estimate = (*localizer)->Localize(frame, {}).value();
+    right += estimate.outcome == localizer::Outcome::kLocalized &&
+             geometry::ErrorBetween(estimate.world_from_camera, HeldOutPose(i))
+                     .translation_m < 0.05;
+  }
+  EXPECT_GE(right, 11);
 }
 
 TEST_F(SceneTrainerTest, UniversalRefusesAPhotographOfTheScene) {

@@ -117,6 +117,15 @@ class Depth(unittest.TestCase):
             np.testing.assert_array_equal(
                 depth_values(metres.astype(kind), 0.001), expected)
 
+    def test_floats_that_are_no_metres_are_refused_in_words(self):
+        millimetres = np.array([[1234, 0], [np.nan, 2345]], np.float32)
+        with self.assertRaisesRegex(ValueError, "are they millimetres"):
+            frame_of(depth=millimetres)
+        with self.assertRaisesRegex(ValueError, "rounded to unit_m, 1.0 m"):
+            frame_of(depth=treeline.Depth(millimetres / 1000, unit_m=1.0))
+        nothing = np.array([[0, np.nan, np.inf, -1]])
+        self.assertFalse(depth_values(nothing, 0.001).any())
+
     def test_registered_and_explicit(self):
         registered = frame_of(RGB, treeline.Depth(
             np.ones((2, 4)), registered=True, scale=1.02)).depth
@@ -192,6 +201,11 @@ class Queries(unittest.TestCase):
         for field in ("time_budget_ms", "min_confidence", "prior",
                       "position_prior", "height_band"):
             self.assertFalse(request.options.HasField(field), field)
+
+    def test_one_candidate_need_not_be_a_list(self):
+        for candidates in ("hall", ["hall"], ("hall",)):
+            self.assertEqual(request_of(treeline.Query(
+                JPEG, candidate_scenes=candidates)).candidate_scenes, ["hall"])
 
     def test_a_prior_need_not_be_a_list_and_two_of_a_kind_contradict(self):
         band = treeline.HeightBand(0, 2)

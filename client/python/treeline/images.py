@@ -24,8 +24,10 @@ _JPEG_QUALITY = 90
 _JPEG_START = b"\xff\xd8\xff"
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 
-# Of depth: these two mean "not measured".
+# Of depth: what is more means "not measured".
 _MAX_DEPTH = 65534
+# Metres that are rounded to more lose what depth is for.
+_MAX_ROUNDING_M = 0.01
 
 
 def _file_bytes(image: bytes | str | os.PathLike[str], what: str,
@@ -102,7 +104,8 @@ def color_message(image: Image, encoding: Encoding) -> frame_pb2.ColorImage:
 
 def depth_values(depth: NDArray, unit_m: float) -> NDArray[np.uint16]:
     """H x W of uint16 in units of unit_m. Of floats (metres), what is not
-    positive, not finite or too far for 16 bits is 0: not measured."""
+    positive, not finite or too far for 16 bits is 0: not measured. ValueError:
+    also for floats that are no metres, by all signs."""
     if depth.ndim != 2 or depth.size == 0:
         raise ValueError(f"depth: H x W is expected, not {depth.shape}")
     if depth.dtype == np.uint16:
@@ -110,9 +113,16 @@ def depth_values(depth: NDArray, unit_m: float) -> NDArray[np.uint16]:
     if not np.issubdtype(depth.dtype, np.floating):
         raise ValueError("depth: uint16 (in units of unit_m) or floats (metres)"
                          f" are expected, not {depth.dtype}")
+    if unit_m > _MAX_ROUNDING_M:
+        raise ValueError(f"depth: floats are metres and would be rounded to"
+                         f" unit_m, {unit_m} m; leave it away")
     with np.errstate(invalid="ignore", over="ignore"):
         units = np.rint(depth.astype(np.float64) / unit_m)
         measured = (units >= 1) & (units <= _MAX_DEPTH)
+        too_far = (units > _MAX_DEPTH) & np.isfinite(units)
+    if np.any(too_far) and not np.any(measured):
+        raise ValueError("depth: floats are metres, and all of these are beyond"
+                         f" {_MAX_DEPTH * unit_m:g} m; are they millimetres?")
     return np.where(measured, units, 0).astype(np.uint16)
 
 

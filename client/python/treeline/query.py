@@ -32,9 +32,11 @@ class Depth:
 
     image: H x W of uint16 in units of unit_m, where 0 and 65535 mean "not
       measured"; or H x W of floats in metres, which are rounded to unit_m (what
-      is not finite, not positive or over 65534 units is "not measured"); or a
-      PNG file of 16-bit grey, its bytes or its path.
-    unit_m: metres per unit, in (0, 1]; 0.001 for millimetres.
+      is not finite, not positive or over 65534 units is "not measured"; where
+      all of it is over, it is refused); or a PNG file of 16-bit grey, its bytes
+      or its path.
+    unit_m: metres per unit, in (0, 1]; 0.001 for millimetres. Of floats at most
+      0.01.
     registered: each depth pixel sees what the colour pixel of the same place
       sees; both images have one size. Otherwise the image comes straight from
       the depth camera: the one that the scene was recorded with, or `camera`.
@@ -131,7 +133,7 @@ class Query:
     _: dataclasses.KW_ONLY
     camera: Camera | None = None
     scene: str | None = None
-    candidate_scenes: Sequence[str] = ()
+    candidate_scenes: Sequence[str] | str = ()
     model_version: str | None = None
     priors: Sequence[Prior] | Prior = ()
     min_confidence: float | None = None
@@ -236,9 +238,13 @@ def _fill_priors(priors: Sequence[Prior] | Prior,
 def request_of(query: Query) -> relocalization_pb2.LocalizeRequest:
     """ValueError, TypeError, OSError: what is wrong with the query or with a
     file that it names. What only the server can know is left to it."""
+    # A text is one scene, not its letters.
+    candidates = ((query.candidate_scenes,)
+                  if isinstance(query.candidate_scenes, str)
+                  else query.candidate_scenes)
     request = relocalization_pb2.LocalizeRequest(
         scene=query.scene or "", model_version=query.model_version or "",
-        candidate_scenes=query.candidate_scenes)
+        candidate_scenes=candidates)
     _fill_frame(query, request.frame)
     options = request.options
     options.seed = query.seed

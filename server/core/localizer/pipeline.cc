@@ -165,15 +165,20 @@ bool IsFocalKnown(const Query& query,
          !OtherFocal(focal, 1, /*is_doubtful=*/true);
 }
 
-// With the colour camera's focal length times `scale`; depth that is registered
-// to colour has the same camera.
-absl::StatusOr<camera::RgbdCalibration> WithFocal(
-    camera::RgbdCalibration calibration, double scale) {
-  const bool is_registered = calibration.depth == calibration.color;
-  TL_ASSIGN_OR_RETURN(calibration.color,
-                      camera::WithFocalScaled(calibration.color, scale));
-  if (is_registered) calibration.depth = calibration.color;
+// Depth that is registered to colour has the same camera.
+camera::RgbdCalibration WithColor(camera::RgbdCalibration calibration,
+                                  const camera::Camera& color) {
+  if (calibration.depth == calibration.color) calibration.depth = color;
+  calibration.color = color;
   return calibration;
+}
+
+// With the colour camera's focal length times `scale`.
+absl::StatusOr<camera::RgbdCalibration> WithFocal(
+    const camera::RgbdCalibration& calibration, double scale) {
+  TL_ASSIGN_OR_RETURN(const camera::Camera color,
+                      camera::WithFocalScaled(calibration.color, scale));
+  return WithColor(calibration, color);
 }
 
 bool IsSure(const Selection& selection, const Method& method) {
@@ -291,6 +296,51 @@ Pipeline::Pipeline(std::unique_ptr<const forest::ModelFile> model,
                    Method method)
     : model_(std::move(model)), method_(std::move(method)) {}
 
+Query Pipeline::Ask(const image::Frame& frame,
+                    const camera::RgbdCalibration& calibration,
+                    const LocalizeOptions& options,
+                    QueryScratch& scratch) const {
+  Query query(frame, calibration, method_.depth_use, options, scratch);
+  const camera::Camera& learnt = info().calibration.color;
+  if (MayBeGuessed(calibration.color, learnt)) query.set_focal_doubtful();
+  query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
+  query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
+                             query.depth() != nullptr);
+  return query;
+}
+
+absl::StatusOr<bool> Pipeline::IsRather(Query query,
+                                        const Selection& stated) const {
+  // Once, without corrections: they take longer than all else, and a camera
+  // that is right needs none to be better than one that is wrong.
+  query.set_depth_scale_open(false);
+  TL_ASSIGN_OR_RETURN(const Selection other, SelectCandidate(method_, query));
+  return other.verdict && other.verdict->is_believed() &&
+         (!stated.verdict || !stated.verdict->is_believed() ||
+          OddsRatio(*other.verdict, *stated.verdict) >= kUnsureFocalOdds);
+}
+
+absl::Status Pipeline::TryOtherCameras(const image::Frame& frame,
+                                       const camera::RgbdCalibration& stated,
+                                       const LocalizeOptions& options,
+                                       QueryScratch& scratch,
+                                       Found& found) const {
+  if (!method_.corrects_focal) return absl::OkStatus();
+  for (const camera::Camera& other :
+       CentredCameras(stated.color, info().calibration.color)) {
+    Query query = Ask(frame, WithColor(stated, other), options, scratch);
+    TL_ASSIGN_OR_RETURN(const bool is_rather, IsRather(query, found.selection));
+    if (!is_rather) continue;
+    found.corrections = {};
+    TL_ASSIGN_OR_RETURN(
+        found.selection,
+        SelectWithAnyCalibration(method_, query, found.corrections));
+    found.corrections.focal_scale *=
+        camera::MeanFocal_px(other) / camera::MeanFocal_px(stated.color);
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<PoseEstimate> Pipeline::Localize(
     const image::Frame& frame, const LocalizeOptions& options) const {
   const base::SteadyClock clock;
@@ -300,21 +350,18 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   TL_RETURN_IF_ERROR(
       CheckFrame(frame, calibration, method_.depth_use, info().method));
   Pool<QueryScratch>::Lease scratch(scratch_);
-  Query query(frame, calibration, method_.depth_use, options, *scratch);
-  const camera::Camera& learnt = info().calibration.color;
-  if (MayBeGuessed(calibration.color, learnt)) query.set_focal_doubtful();
-  query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
-  query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
-                             query.depth() != nullptr);
-  Corrections corrections;
-  TL_ASSIGN_OR_RETURN(Selection selection,
-                      SelectWithAnyCalibration(method_, query, corrections));
+  Query query = Ask(frame, calibration, options, *scratch);
+  Found found;
+  TL_ASSIGN_OR_RETURN(found.selection, SelectWithAnyCalibration(
+                                           method_, query, found.corrections));
+  TL_RETURN_IF_ERROR(
+      TryOtherCameras(frame, calibration, options, *scratch, found));
   PoseEstimate estimate =
-      Report(std::move(selection.candidate),
-             selection.verdict ? &*selection.verdict : nullptr);
-  estimate.focal_scale = corrections.focal_scale;
-  estimate.focal_error_sigmas = corrections.focal_error_sigmas;
-  estimate.depth_scale = corrections.depth_scale;
+      Report(std::move(found.selection.candidate),
+             found.selection.verdict ? &*found.selection.verdict : nullptr);
+  estimate.focal_scale = found.corrections.focal_scale;
+  estimate.focal_error_sigmas = found.corrections.focal_error_sigmas;
+  estimate.depth_scale = found.corrections.depth_scale;
   estimate.timings = query.timings();
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;

@@ -103,6 +103,23 @@ class Pipeline final : public Localizer {
   }
 
  private:
+  struct Found {
+    Selection selection;
+    Corrections corrections;
+  };
+  Query Ask(const image::Frame& frame,
+            const camera::RgbdCalibration& calibration,
+            const LocalizeOptions& options, QueryScratch& scratch) const;
+  // Whether what `query`, of another camera than the stated one, finds is to be
+  // believed rather than what was found with that.
+  absl::StatusOr<bool> IsRather(Query query, const Selection& stated) const;
+  // Puts what was found with one of CentredCameras in the place of `found`,
+  // where that is rather to be believed.
+  absl::Status TryOtherCameras(const image::Frame& frame,
+                               const camera::RgbdCalibration& stated,
+                               const LocalizeOptions& options,
+                               QueryScratch& scratch, Found& found) const;
+
   const std::unique_ptr<const forest::ModelFile> model_;
   const Method method_;
   mutable Pool<QueryScratch> scratch_;

@@ -3,6 +3,8 @@
 #ifndef SERVER_CORE_LOCALIZER_STATED_CAMERA_H_
 #define SERVER_CORE_LOCALIZER_STATED_CAMERA_H_
 
+#include <vector>
+
 #include "common/camera/camera.h"
 
 namespace treeline::localizer {
@@ -16,6 +18,18 @@ namespace treeline::localizer {
 // * the principal point is far from the middle: guesses put it there. Such a
 //   picture is a window of another, and so is known to whoever cut it out.
 bool MayBeGuessed(const camera::Camera& stated, const camera::Camera& learnt);
+
+// What else the camera may be whose stated principal point is further from the
+// middle than lenses are mounted, and not where that of the camera that learnt
+// the scene is. That of a window of a picture is. But mostly such intrinsics
+// belong to pictures of another size, or their cx and cy are exchanged, and
+// features fit them nearly as well as the right ones, at a wrong pose. So, with
+// the principal point in the middle:
+// * the camera of the resized picture, if that brings it there;
+// * the same focal lengths.
+// Empty for all other cameras.
+std::vector<camera::Camera> CentredCameras(const camera::Camera& stated,
+                                           const camera::Camera& learnt);
 
 // How many times as wide (tangent of half the angle across the longer side) a
 // view the camera that learnt the scene has; at least 1.

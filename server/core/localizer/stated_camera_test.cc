@@ -1,6 +1,7 @@
 #include "server/core/localizer/stated_camera.h"
 
 #include <string>
+#include <vector>
 
 #include "gtest/gtest.h"
 
@@ -55,6 +56,46 @@ TEST(MayBeGuessedTest, IsNotAWindowOfOtherPictures) {
   // As lenses are mounted.
   EXPECT_TRUE(
       MayBeGuessed(CameraOf("PINHOLE,900,900,330,250", 640, 480), Learnt()));
+}
+
+std::vector<std::string> Centred(const std::string& text, int width,
+                                 int height) {
+  std::vector<std::string> texts;
+  for (const camera::Camera& camera :
+       CentredCameras(CameraOf(text, width, height), Learnt())) {
+    EXPECT_EQ(camera.width(), width);
+    texts.push_back(camera.ToString());
+  }
+  return texts;
+}
+
+TEST(CentredCamerasTest, IntrinsicsOfAnotherResolutionMayBeMeant) {
+  // Of pictures twice as large, and of half the size.
+  EXPECT_EQ(Centred("PINHOLE,1050,1050,639.5,479.5", 640, 480),
+            (std::vector<std::string>{"PINHOLE,525,525,319.5,239.5",
+                                      "PINHOLE,1050,1050,319.5,239.5"}));
+  EXPECT_EQ(Centred("PINHOLE,262.5,262.5,159.5,119.5", 640, 480).front(),
+            "PINHOLE,525,525,319.5,239.5");
+}
+
+TEST(CentredCamerasTest, ThePrincipalPointMayBeWrong) {
+  const std::vector<std::string> middle = {"PINHOLE,525,525,319.5,239.5"};
+  EXPECT_EQ(Centred("PINHOLE,525,525,240,320", 640, 480), middle) << "cy, cx";
+  EXPECT_EQ(Centred("PINHOLE,525,525,380,240", 640, 480), middle);
+  EXPECT_EQ(Centred("PINHOLE,525,525,-100,240", 640, 480), middle);
+  EXPECT_EQ(Centred("PINHOLE,525,525,0.5,0.5", 640, 480), middle) << "absurd";
+  EXPECT_EQ(Centred("OPENCV,525,525,380,240,0.1,0,0,0", 640, 480),
+            (std::vector<std::string>{"OPENCV,525,525,319.5,239.5,0.1,0,0,0"}));
+}
+
+TEST(CentredCamerasTest, OneThatIsNearTheMiddleOrTheScenesIsNotDoubted) {
+  EXPECT_TRUE(Centred("PINHOLE,525,525,330,230", 640, 480).empty());
+  EXPECT_TRUE(Centred("PINHOLE,400,400,350,240", 640, 480).empty());
+  const camera::Camera window = CameraOf("PINHOLE,525,525,100,240", 640, 480);
+  EXPECT_TRUE(CentredCameras(window, window).empty());
+  EXPECT_TRUE(
+      CentredCameras(CameraOf("PINHOLE,262,262,50,120", 320, 240), window)
+          .empty());
 }
 
 TEST(MayBeGuessedTest, IsNotALensWhoseDistortionIsKnown) {

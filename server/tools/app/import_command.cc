@@ -12,6 +12,8 @@
 #include "server/tools/app/capture_flags.h"
 #include "server/tools/capture/open_capture.h"
 #include "server/tools/capture/recording_writer.h"
+#include "server/tools/learning/learn_source.h"
+#include "server/tools/run_info.h"
 
 namespace treeline::tools_app {
 namespace {
@@ -91,9 +93,11 @@ void PrintResult(const ImportFlags& flags, const std::string& format,
     return;
   }
   std::printf(
-      "Next: treeline train --dataset 7scenes:%s --frames %s/train.txt "
-      "--calibration nominal --output %s.treeline\n",
-      folder.c_str(), folder.c_str(), folder.c_str());
+      "Next: treeline train --dataset %s --frames %s --calibration nominal "
+      "--output %s\n",
+      tools::ShellQuoted("7scenes:" + folder).c_str(),
+      tools::ShellQuoted(folder + "/train.txt").c_str(),
+      tools::ShellQuoted(folder + ".treeline").c_str());
 }
 
 absl::Status ImportPictures(const ImportFlags& flags,
@@ -113,10 +117,29 @@ absl::Status ImportPictures(const ImportFlags& flags,
     std::printf("  note: %s\n", note.c_str());
   }
   std::printf(
-      "Next: treeline train --method sift --dataset %s --frames %s/train.txt "
-      "--output %s.treeline\n",
-      imported.uri.c_str(), folder.c_str(), folder.c_str());
+      "Next: treeline train --method sift --dataset %s --frames %s --output "
+      "%s\n",
+      tools::ShellQuoted(imported.uri).c_str(),
+      tools::ShellQuoted(folder + "/train.txt").c_str(),
+      tools::ShellQuoted(folder + ".treeline").c_str());
   return absl::OkStatus();
+}
+
+// The capture; of a recording, that it can be learnt as it is.
+absl::StatusOr<capture::Capture> Open(const ImportFlags& flags) {
+  absl::StatusOr<capture::Capture> opened =
+      capture::OpenCapture(flags.capture, flags.format, flags.open);
+  if (opened.ok() || flags.format != "auto") return opened;
+  const auto source = learning::FindLearnSource(flags.capture);
+  if (!source.ok() || source->kind == learning::SourceKind::kCapture) {
+    return opened;
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      flags.capture,
+      ": is a recording, which needs no import:\n  treeline "
+      "learn ",
+      tools::ShellQuoted(flags.capture), "\n  treeline train --dataset ",
+      tools::ShellQuoted(source->uri), " ..."));
 }
 
 absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
@@ -126,9 +149,7 @@ absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
   flags.write.source = flags.capture;
   flags.write.upright = !flags.keep_turn;
   TL_RETURN_IF_ERROR(flags.write.Validate());
-  TL_ASSIGN_OR_RETURN(
-      capture::Capture capture,
-      capture::OpenCapture(flags.capture, flags.format, flags.open));
+  TL_ASSIGN_OR_RETURN(capture::Capture capture, Open(flags));
   const std::string format = capture.format;
   absl::StatusOr<capture::WrittenRecording> written;
   {

@@ -74,6 +74,13 @@ TEST_F(ImportCommandTest, WrongOptionsAreRefusedBeforeAnythingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder_.Path("out")));
 }
 
+TEST_F(ImportCommandTest, ARecordingNeedsNoImport) {
+  folder_.Write("capture/rgb.txt", "");
+  EXPECT_THAT(Import({}).message(),
+              AllOf(HasSubstr("needs no import"),
+                    HasSubstr("--dataset tum:" + folder_.Path("capture"))));
+}
+
 TEST_F(ImportCommandTest, StoppingLeavesNothing) {
   capture::WriteStray(capture::MakeTrueScene(2), folder_.Path("capture"));
   std::stop_source stop;

@@ -385,8 +385,8 @@ class PlaceLearner {
         tools::ShellQuoted(options_.repository), " --scene ",
         tools::ShellQuoted(options_.scene));
     std::vector<std::pair<std::string, std::string>> commands = {
-        {"Serve it; a server that runs on this repository already takes it by "
-         "itself:",
+        {"Serve it; a server that runs on this repository with --poll-s takes "
+         "it by itself:",
          "treeline-server --models " +
              tools::ShellQuoted(options_.repository)}};
     if (method_ != "sift") {

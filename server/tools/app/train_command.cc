@@ -47,9 +47,11 @@ descriptor. So the recording is needed, with the frames that the parts saw.
 
 Example:
   for k in 0 1 2 3 4; do  # each on a machine of its own
-    treeline train --dataset 7scenes:kitchen --tree $k         --output part-$k.treeline
+    treeline train --dataset 7scenes:kitchen --tree $k \
+        --output part-$k.treeline
   done
-  treeline merge part-*.treeline --dataset 7scenes:kitchen       --repository models --scene kitchen)";
+  treeline merge part-*.treeline --dataset 7scenes:kitchen \
+      --repository models --scene kitchen)";
 
 struct TrainFlags {
   dataset::DatasetOptions dataset;
@@ -215,6 +217,14 @@ absl::Status Merge(TrainFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
+// Removes the version that was made for a model that did not come.
+absl::Status Tidied(const TrainFlags& flags, absl::Status status) {
+  if (!status.ok() && !flags.repository.empty() && !flags.output_path.empty()) {
+    tools::RemoveEmptyVersion(flags.output_path);
+  }
+  return status;
+}
+
 std::string MethodsHelp() {
   std::string help = "\nMethods:\n";
   for (const training::MethodDescription& method :
@@ -362,8 +372,9 @@ cli::Command AddTrainCommand(CLI::App& app) {
   AddForestFlags(*command, flags->training);
   AddSiftFlags(*command, flags->sift);
   command->final_callback([flags] { CheckUsage(*flags); });
-  return {command,
-          [flags](const std::stop_token& stop) { return Train(*flags, stop); }};
+  return {command, [flags](const std::stop_token& stop) {
+            return Tidied(*flags, Train(*flags, stop));
+          }};
 }
 
 cli::Command AddMergeCommand(CLI::App& app) {
@@ -380,8 +391,9 @@ cli::Command AddMergeCommand(CLI::App& app) {
   AddPlaceFlags(*command, *flags);
   AddRunFlags(*command, *flags);
   command->final_callback([flags] { CheckUsage(*flags); });
-  return {command,
-          [flags](const std::stop_token& stop) { return Merge(*flags, stop); }};
+  return {command, [flags](const std::stop_token& stop) {
+            return Tidied(*flags, Merge(*flags, stop));
+          }};
 }
 
 }  // namespace treeline::tools_app

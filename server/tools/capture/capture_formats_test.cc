@@ -364,6 +364,21 @@ TEST_F(BrokenCaptureTest, AnR3dFileIsReadLikeItsFolder) {
   EXPECT_EQ(written->with_depth, 6);
 }
 
+TEST_F(BrokenCaptureTest, WhatPeopleOftenHaveInsteadIsAdvisedOn) {
+  const auto advice = [&](const std::string& path) {
+    return std::string(
+        OpenCapture(folder_.Path(path), "auto", {}).status().message());
+  };
+  folder_.Write("a.sens", "x");
+  EXPECT_THAT(advice("a.sens"), HasSubstr("SensReader"));
+  folder_.Write("blender/transforms_train.json", "{}");
+  EXPECT_THAT(advice("blender"), HasSubstr("blender/transforms_train.json"));
+  folder_.Write("unzipped/2fd1a8b0c3/odometry.csv", "x");
+  EXPECT_THAT(advice("unzipped"), HasSubstr("unzipped/2fd1a8b0c3"));
+  folder_.Write("euroc/mav0/cam0/data/1.png", "x");
+  EXPECT_THAT(advice("euroc"), HasSubstr("euroc/mav0/cam0/data"));
+}
+
 TEST_F(BrokenCaptureTest, UnknownFormatsAreToldWhatIsKnown) {
   folder_.Write("capture/holiday.jpg", "x");
   const auto written = Import();

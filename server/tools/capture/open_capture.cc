@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "server/tools/capture/arkit_json.h"
 #include "server/tools/capture/record3d.h"
@@ -42,6 +44,45 @@ std::string Names() {
                        });
 }
 
+const CaptureFormat* FormatOf(const std::string& path) {
+  const auto* found = std::ranges::find_if(
+      kFormats, [&](const CaptureFormat& known) { return known.is_it(path); });
+  return found == std::end(kFormats) ? nullptr : found;
+}
+
+// What to do with what people often have instead; empty: nothing is known.
+std::string Advice(const std::string& path) {
+  if (absl::EndsWith(path, ".zip")) {
+    return "Unpack the zip file first, and give the folder";
+  }
+  constexpr const char* kSens =
+      "Export the .sens file with ScanNet's SensReader first, and give the "
+      "folder with color, depth, pose and intrinsic";
+  if (absl::EndsWith(path, ".sens")) return kSens;
+  const std::vector<std::string> names = base::SortedNamesIn(path);
+  for (const std::string& name : names) {
+    const std::string inside = absl::StrCat(path, "/", name);
+    // transforms_train.json and the like.
+    if (absl::StartsWith(name, "transforms") && IsTransforms(inside)) {
+      return absl::StrCat("Give the file: ", inside);
+    }
+    if (FormatOf(inside) != nullptr && !base::IsFile(inside)) {
+      return absl::StrCat("A folder in it is one: ", inside);
+    }
+    if (absl::EndsWith(name, ".sens")) return kSens;
+    if (name == "EXR_RGBD") {
+      return "Record3D's EXR export is not read: export the .r3d file";
+    }
+    if (name == "mav0") {
+      return absl::StrCat(
+          "EuRoC's cameras measure no depth. Structure from motion of their "
+          "pictures finds poses of its own: give ",
+          inside, "/cam0/data");
+    }
+  }
+  return "";
+}
+
 absl::Status NoFormat(const std::string& path) {
   std::string message =
       absl::StrCat(path, ": is a capture of none of these formats:");
@@ -49,9 +90,9 @@ absl::Status NoFormat(const std::string& path) {
     absl::StrAppend(&message, "\n  ", format.summary);
   }
   absl::StrAppend(&message, "\n");
-  if (absl::EndsWith(path, ".zip")) {
-    absl::StrAppend(&message, "Unpack the zip file first, and give the folder");
-  } else {
+  const std::string advice = Advice(path);
+  absl::StrAppend(&message, advice);
+  if (advice.empty()) {
     absl::StrAppend(
         &message,
         "Without poses, a folder with three photographs or more "
@@ -77,12 +118,12 @@ absl::StatusOr<Capture> OpenCapture(const std::string& path,
   if (!std::filesystem::exists(trimmed, error)) {
     return absl::NotFoundError(absl::StrCat("there is no ", trimmed));
   }
-  const auto* found =
-      std::ranges::find_if(kFormats, [&](const CaptureFormat& known) {
-        return format == "auto" ? known.is_it(trimmed) : format == known.name;
-      });
-  if (found != std::end(kFormats)) return found->open(trimmed, options);
-  if (format == "auto") return NoFormat(trimmed);
+  if (format == "auto") {
+    const CaptureFormat* const known = FormatOf(trimmed);
+    return known == nullptr ? NoFormat(trimmed) : known->open(trimmed, options);
+  }
+  const auto* named = std::ranges::find(kFormats, format, &CaptureFormat::name);
+  if (named != std::end(kFormats)) return named->open(trimmed, options);
   return absl::InvalidArgumentError(
       absl::StrCat("format '", format, "' is none of auto, ", Names()));
 }

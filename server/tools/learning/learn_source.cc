@@ -48,6 +48,12 @@ std::string UriOfFolder(const std::string& folder) {
   if (IsFolder(folder + "/model") && IsFolder(folder + "/images")) {
     return absl::StrCat("colmap:", folder, "/model,", folder, "/images");
   }
+  // As COLMAP itself and programs beside it lay them out. Where there is
+  // transforms.json too, it says more: it may have depth.
+  if (IsFolder(folder + "/sparse/0") && IsFolder(folder + "/images") &&
+      !base::IsFile(folder + "/transforms.json")) {
+    return absl::StrCat("colmap:", folder, "/sparse/0,", folder, "/images");
+  }
   return IsSevenScenes(folder) ? "7scenes:" + folder : "";
 }
 
@@ -106,7 +112,8 @@ std::string SceneNameOf(const std::string& given) {
   }
   path = WithoutSlashes(path.substr(0, path.find(',')));
   std::error_code error;
-  const fs::path absolute = fs::absolute(path, error).lexically_normal();
+  const fs::path absolute =
+      WithoutSlashes(fs::absolute(path, error).lexically_normal().string());
   const std::string name =
       IsFolder(path) ? absolute.filename().string() : absolute.stem().string();
   // What a URL and a shell take as it is.

@@ -36,6 +36,13 @@ TEST_F(LearnSourceTest, LayoutsOfDataSetsAreKnownByTheirFolders) {
   EXPECT_EQ(Find(folder_.Path("photos")).uri,
             "colmap:" + folder_.Path("photos/model") + "," +
                 folder_.Path("photos/images"));
+  folder_.Write("splats/sparse/0/images.bin", "");
+  folder_.Write("splats/images/a.jpg", "");
+  EXPECT_EQ(Find(folder_.Path("splats")).uri,
+            "colmap:" + folder_.Path("splats/sparse/0") + "," +
+                folder_.Path("splats/images"));
+  folder_.Write("splats/transforms.json", "");
+  EXPECT_EQ(Find(folder_.Path("splats")).kind, SourceKind::kCapture);
   EXPECT_EQ(Find("tum:" + folder_.Path("tum")).kind, SourceKind::kRecording);
 }
 
@@ -74,6 +81,7 @@ TEST_F(LearnSourceTest, AnythingElseThatIsThereIsACapture) {
 TEST_F(LearnSourceTest, ScenesAreCalledAsTheirCaptures) {
   folder_.Write("my flat/odometry.csv", "");
   EXPECT_EQ(SceneNameOf(folder_.Path("my flat/")), "my-flat");
+  EXPECT_EQ(SceneNameOf(folder_.Path("my flat/.")), "my-flat");
   EXPECT_EQ(SceneNameOf("captures/office.r3d"), "office");
   EXPECT_EQ(SceneNameOf("tum:data/desk"), "desk");
 }

@@ -12,12 +12,12 @@
 #include "common/base/file.h"
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
-#include "common/image/decode.h"
+#include "server/tools/photographs/photographs.h"
 
 namespace treeline::photographs {
 namespace {
 
-// Without loss: of the largest picture that image::DecodeLimits allows.
+// Without loss, 50 megapixels are some 100 MB.
 constexpr uint64_t kMaxPngBytes = 256u << 20;
 
 }  // namespace
@@ -51,7 +51,8 @@ absl::StatusOr<image::ColorImage> ReadHeic(const std::string& path,
   TL_ASSIGN_OR_RETURN(const std::string bytes,
                       base::ReadFile(png, kMaxPngBytes));
   // It copies EXIF's way up, though the picture has been turned by then.
-  absl::StatusOr<image::ColorImage> picture = image::DecodeColor(bytes);
+  absl::StatusOr<image::ColorImage> picture =
+      image::DecodeColor(bytes, kPhotographLimits);
   if (!picture.ok()) return base::Annotate(picture.status(), path);
   return picture;
 }

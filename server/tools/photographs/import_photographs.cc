@@ -52,6 +52,20 @@ absl::StatusOr<KnownDistance> ParseDistance(const std::string& text) {
   return distance;
 }
 
+// What a picture that was given by its name in the capture is called now: all
+// are JPEG files. Error: there is none.
+absl::StatusOr<std::string> NameOfCopy(const std::vector<std::string>& copies,
+                                       const std::string& name) {
+  for (const std::string& copy :
+       {name, name + ".jpg", name.substr(0, name.rfind('.')) + ".jpg"}) {
+    if (std::ranges::find(copies, copy) != copies.end()) return copy;
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("--distance: there is no picture ", name,
+                   " among those that could be read; the first is ",
+                   copies.empty() ? "none" : copies.front()));
+}
+
 class PhotographImporter {
  public:
   PhotographImporter(std::string source, const PhotographOptions& options,
@@ -66,6 +80,7 @@ class PhotographImporter {
       TL_RETURN_IF_ERROR(base::MakeParentFolder(output_.Path(folder)));
     }
     TL_RETURN_IF_ERROR(Copy());
+    TL_RETURN_IF_ERROR(FindDistance());
     structure_options_ = {.colmap = colmap,
                           .images = output_.Path("images"),
                           .work = output_.Path("work"),
@@ -98,7 +113,8 @@ class PhotographImporter {
                         CopyPictures(
                             source_, output_.Path("images"), options_.pictures,
                             [&] { progress.Add(1); }, stop_));
-    result_.pictures = static_cast<int>(copied.names.size());
+    copies_ = copied.names;
+    result_.pictures = static_cast<int>(copies_.size());
     is_one_camera_ = copied.is_one_size;
     longest_side_px_ = copied.longest_side_px;
     for (const std::string& why : copied.left_out) {
@@ -113,6 +129,16 @@ class PhotographImporter {
     return absl::FailedPreconditionError(absl::StrCat(
         source_, ": no picture could be read",
         copied.left_out.empty() ? "" : ". " + copied.left_out.front()));
+  }
+
+  // Before the structure, which takes minutes.
+  absl::Status FindDistance() {
+    if (options_.distance.empty()) return absl::OkStatus();
+    TL_ASSIGN_OR_RETURN(KnownDistance known, ParseDistance(options_.distance));
+    TL_ASSIGN_OR_RETURN(known.image_a, NameOfCopy(copies_, known.image_a));
+    TL_ASSIGN_OR_RETURN(known.image_b, NameOfCopy(copies_, known.image_b));
+    distance_ = std::move(known);
+    return absl::OkStatus();
   }
 
   absl::Status CheckRegistered() {
@@ -144,12 +170,10 @@ class PhotographImporter {
 
   absl::Status WriteModel() {
     double scale = options_.scale;
-    if (!options_.distance.empty()) {
-      TL_ASSIGN_OR_RETURN(const KnownDistance distance,
-                          ParseDistance(options_.distance));
-      TL_ASSIGN_OR_RETURN(scale,
-                          ScaleOfDistance(structure_.model, distance.image_a,
-                                          distance.image_b, distance.metres));
+    if (distance_) {
+      TL_ASSIGN_OR_RETURN(
+          scale, ScaleOfDistance(structure_.model, distance_->image_a,
+                                 distance_->image_b, distance_->metres));
     }
     result_.is_metric = scale > 0;
     if (result_.is_metric) {
@@ -213,6 +237,8 @@ class PhotographImporter {
   const PhotographOptions& options_;
   tools::OutputFolder output_;
   const std::stop_token& stop_;
+  std::vector<std::string> copies_;
+  std::optional<KnownDistance> distance_;  // between two of copies_
   bool is_one_camera_ = true;
   int longest_side_px_ = 0;
   StructureOptions structure_options_;

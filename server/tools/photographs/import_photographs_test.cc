@@ -28,12 +28,14 @@ using testing::HasSubstr;
 
 class ImportPhotographsTest : public testing::Test {
  protected:
-  void PutPictures(int count) const {
+  void PutPicture(const std::string& path) const {
     image::ColorImage picture{64, 48, {}};
     picture.rgb.assign(3 * 64 * 48, 90);
+    folder_.Write(path, *image::EncodeJpeg(picture, 90));
+  }
+  void PutPictures(int count) const {
     for (int i = 0; i < count; ++i) {
-      folder_.Write(absl::StrFormat("photos/p%02d.jpg", i),
-                    *image::EncodeJpeg(picture, 90));
+      PutPicture(absl::StrFormat("photos/p%02d.jpg", i));
     }
   }
   // A program in COLMAP's place, whose mapper places `placed` pictures in a row
@@ -119,6 +121,23 @@ TEST_F(ImportPhotographsTest, WithADistanceItIsInMetres) {
   const auto dataset = dataset::Dataset::Open({.uri = imported->uri});
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   EXPECT_TRUE(dataset->units_are_metres());
+}
+
+TEST_F(ImportPhotographsTest, ADistanceNamesPicturesAsTheCaptureDoes) {
+  for (int i = 0; i < 10; ++i)
+    PutPicture(absl::StrFormat("phone/p%02d.JPG", i));
+  const auto imported = Import(
+      {.distance = "p00.JPG,p04.JPG,2", .colmap = FakeColmap(10)}, {}, "phone");
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_TRUE(imported->is_metric);
+}
+
+TEST_F(ImportPhotographsTest, ADistanceOfNoPictureIsToldBeforeTheStructure) {
+  PutPictures(10);
+  const auto imported =
+      Import({.distance = "p00.jpg,q04.jpg,2", .colmap = FakeColmap(0)});
+  EXPECT_EQ(imported.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(imported.status().message(), HasSubstr("no picture q04.jpg"));
 }
 
 TEST_F(ImportPhotographsTest, FewPlacedPicturesAreToldOrRefused) {

@@ -17,7 +17,6 @@
 #include "common/base/file.h"
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
-#include "common/image/decode.h"
 #include "common/image/exif.h"
 #include "common/image/quarter_turn.h"
 #include "server/tools/capture/picture_files.h"
@@ -101,7 +100,8 @@ class Copier {
 absl::StatusOr<image::ColorImage> ReadPhotograph(const std::string& path) {
   TL_ASSIGN_OR_RETURN(const std::string bytes,
                       base::ReadFile(path, kMaxPictureBytes));
-  absl::StatusOr<image::ColorImage> picture = image::DecodeColor(bytes);
+  absl::StatusOr<image::ColorImage> picture =
+      image::DecodeColor(bytes, kPhotographLimits);
   if (!picture.ok()) return base::Annotate(picture.status(), path);
   return image::Turned(*picture, image::ReadExifUprightTurn(bytes).value_or(
                                      image::QuarterTurn::kNone));

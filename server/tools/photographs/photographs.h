@@ -9,8 +9,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/image/decode.h"
 
 namespace treeline::photographs {
+
+// Larger photographs are left out. Phones take up to 108 megapixels, and what
+// is read is made smaller at once.
+inline constexpr image::DecodeLimits kPhotographLimits{
+    .max_width = 16384, .max_height = 16384, .max_pixels = 128 << 20};
 
 // A folder with three JPEG, PNG or HEIC files or more; a file that ends as
 // videos do.

@@ -48,6 +48,15 @@ class PhotographsTest : public testing::Test {
   int done_ = 0;
 };
 
+// A server would refuse it: image::DecodeLimits ends at 8192 pixels.
+TEST_F(PhotographsTest, PicturesOfLargeSensorsAreMadeSmaller) {
+  PutJpeg("panorama.jpg", 12000, 90);
+  const auto copied = Copy("photos");
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_THAT(copied->left_out, SizeIs(0));
+  EXPECT_EQ(SizeOf("panorama.jpg"), (image::ImageSize{1600, 12}));
+}
+
 TEST_F(PhotographsTest, AFolderOfPicturesIsKnown) {
   PutJpeg("a.jpg", 8, 6);
   PutJpeg("b.JPG", 8, 6);
