@@ -444,7 +444,7 @@ void DockPilot::WakeUp(behavior::Navigator& navigator) {
   }
   const behavior::NavigatorSnapshot shot = navigator.Snapshot();
   const bool is_lost = IsLost(navigator.mode()) || !shot.pose.has_value();
-  if (shot.pose.has_value() && !IsStill(shot)) charges_at_.reset();
+  if (shot.command != core::VelocityCommand{}) charges_at_.reset();
   if (!is_lost && !charges_at_.has_value()) {
     if (IsDocked() && IsStill(shot)) charges_at_ = shot.pose->pose;
     return;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -125,8 +126,11 @@ TEST_F(DockingCallsTest, TheRobotsContactsSayWhichEndGoesInFirst) {
     DockingCalls with(commands, 2);
     v1::PutDocksRequest request;
     *request.add_docks() = Charger();
-    ASSERT_TRUE(with.PutDocks(request).ok());
     const bool is_rear = end == core::ContactEnd::kRear;
+    // Away from the wall that is ahead.
+    if (is_rear) request.mutable_docks(0)->set_yaw_rad(std::numbers::pi);
+    const auto put = with.PutDocks(request);
+    ASSERT_TRUE(put.ok()) << put.status();
     EXPECT_EQ(with.GetDocks({})->docks(0).backward(), is_rear);
     request.mutable_docks(0)->set_backward(true);
     EXPECT_EQ(with.PutDocks(request).ok(), is_rear);
