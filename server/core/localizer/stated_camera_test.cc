@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 
 namespace treeline::localizer {
@@ -29,10 +30,11 @@ TEST(MayBeGuessedTest, IsNotTheScenesCamera) {
 
 TEST(MayBeGuessedTest, IsAnotherFocalLengthInTheMiddle) {
   for (const double focal : {440, 500, 551, 700}) {
-    const std::string f = std::to_string(focal);
     EXPECT_TRUE(MayBeGuessed(
-        CameraOf("PINHOLE," + f + "," + f + ",320,240", 640, 480), Learnt()))
-        << f;
+        CameraOf(absl::StrCat("PINHOLE,", focal, ",", focal, ",320,240"), 640,
+                 480),
+        Learnt()))
+        << focal;
   }
   // A page that assumes a field of view of 65 degrees.
   EXPECT_TRUE(
