@@ -30,7 +30,7 @@ TEST(OfficeGenerator, IsAFunctionOfSizeSeedAndAttempt) {
   EXPECT_TRUE(DrawOffice(300, 5, 0) == DrawOffice(300, 5, 0));
   std::set<std::string> texts;
   for (const int area_m2 : {300, 301}) {
-    for (const uint64_t seed : {5, 6}) {
+    for (const uint64_t seed : {5U, 6U}) {
       for (const int attempt : {0, 1}) {
         texts.insert(PlanText(DrawOffice(area_m2, seed, attempt)));
       }

@@ -229,8 +229,8 @@ class BrokenCaptureTest : public testing::Test {
  protected:
   BrokenCaptureTest() : scene_(MakeTrueScene(6)) {}
 
-  absl::StatusOr<WrittenRecording> Import(const WriteOptions& options,
-                                          std::stop_token stop = {}) const {
+  absl::StatusOr<WrittenRecording> Import(
+      const WriteOptions& options, const std::stop_token& stop = {}) const {
     auto capture = OpenCapture(folder_.Path("capture"), "auto", {});
     if (!capture.ok()) return capture.status();
     return WriteRecording(*std::move(capture), options, {}, stop);

@@ -62,7 +62,7 @@ class ImportPhotographsTest : public testing::Test {
     return program;
   }
   absl::StatusOr<ImportedPhotographs> Import(
-      PhotographOptions options, std::stop_token stop = {},
+      PhotographOptions options, const std::stop_token& stop = {},
       const std::string& source = "photos") const {
     options.folder = folder_.Path("out");
     options.quiet = true;

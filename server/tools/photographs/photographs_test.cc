@@ -32,7 +32,7 @@ class PhotographsTest : public testing::Test {
   }
   absl::StatusOr<CopiedPictures> Copy(const std::string& source,
                                       const PictureOptions& options = {},
-                                      std::stop_token stop = {}) {
+                                      const std::stop_token& stop = {}) {
     done_ = 0;
     return CopyPictures(
         folder_.Path(source), folder_.Path("out"), options, [this] { ++done_; },
