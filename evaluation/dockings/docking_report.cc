@@ -41,25 +41,19 @@ struct Tally {
   }
 };
 
-// share 1: the largest; 0 of none.
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<size_t>(
-      share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 std::string Row(const std::string& name, const Tally& tally) {
   return absl::StrFormat(
       "%-22s %4d %5d  %5.1f %5.1f %5.1f  %5.2f %5.2f  %5.1f %5.1f %5d %5d "
       "%5d\n",
-      name, tally.runs, tally.good, 100 * Quantile(tally.off_m, 0.5),
-      100 * Quantile(tally.off_m, 0.95), 100 * Quantile(tally.off_m, 1),
-      InDegrees(Quantile(tally.turned_rad, 0.5)),
-      InDegrees(Quantile(tally.turned_rad, 1)),
-      100 * Quantile(tally.estimate_m, 0.5),
-      100 * Quantile(tally.estimate_m, 1), tally.tries, tally.collisions,
-      tally.losses);
+      name, tally.runs, tally.good,
+      100 * suites::NearestQuantile(tally.off_m, 0.5),
+      100 * suites::NearestQuantile(tally.off_m, 0.95),
+      100 * suites::NearestQuantile(tally.off_m, 1),
+      InDegrees(suites::NearestQuantile(tally.turned_rad, 0.5)),
+      InDegrees(suites::NearestQuantile(tally.turned_rad, 1)),
+      100 * suites::NearestQuantile(tally.estimate_m, 0.5),
+      100 * suites::NearestQuantile(tally.estimate_m, 1), tally.tries,
+      tally.collisions, tally.losses);
 }
 
 std::string RunJson(const DockingRun& run) {
@@ -117,8 +111,8 @@ std::string DockingJson(const std::vector<DockingRun>& runs, int expected) {
       "{\n  \"suite\": \"docking\",\n  \"expected\": %d,\n"
       "  \"runs\": %d,\n  \"good\": %d,\n  \"off_p95_m\": %.4f,\n"
       "  \"off_most_m\": %.4f,\n  \"dockings\": ",
-      expected, all.runs, all.good, Quantile(all.off_m, 0.95),
-      Quantile(all.off_m, 1));
+      expected, all.runs, all.good, suites::NearestQuantile(all.off_m, 0.95),
+      suites::NearestQuantile(all.off_m, 1));
   return json + suites::RunsJson(runs, RunJson) + "\n}\n";
 }
 

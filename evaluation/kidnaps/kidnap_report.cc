@@ -43,14 +43,6 @@ struct Tally {
   }
 };
 
-// To the nearest of the sorted values; base::Quantile takes the next higher.
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<size_t>(
-      share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 std::string Row(const std::string& name, const Tally& tally) {
   std::string row = absl::StrFormat("%-14s %5d", name, tally.runs);
   for (const int count : tally.outcomes)
@@ -58,8 +50,9 @@ std::string Row(const std::string& name, const Tally& tally) {
   absl::StrAppendFormat(
       &row, " %6.1f %% %6d %6d %6.1f %6.1f %5d\n",
       tally.runs > 0 ? 100.0 * tally.outcomes[0] / tally.runs : 0.0,
-      tally.wrong_resumptions, tally.arrived, Quantile(tally.back_s, 0.5),
-      Quantile(tally.back_s, 0.95), tally.collisions_of_robot);
+      tally.wrong_resumptions, tally.arrived,
+      suites::NearestQuantile(tally.back_s, 0.5),
+      suites::NearestQuantile(tally.back_s, 0.95), tally.collisions_of_robot);
   return row;
 }
 
@@ -158,8 +151,9 @@ std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
       "  \"recovery_p95_s\": %.3f,\n  \"noticed_p50_s\": %.3f,\n"
       "  \"kidnaps\": ",
       all.wrong_resumptions, all.arrived, all.collisions_of_robot,
-      Quantile(all.back_s, 0.5), Quantile(all.back_s, 0.95),
-      Quantile(all.noticed_s, 0.5));
+      suites::NearestQuantile(all.back_s, 0.5),
+      suites::NearestQuantile(all.back_s, 0.95),
+      suites::NearestQuantile(all.noticed_s, 0.5));
   return json + suites::RunsJson(runs, RunJson) + "\n}\n";
 }
 

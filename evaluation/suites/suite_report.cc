@@ -1,5 +1,6 @@
 #include "evaluation/suites/suite_report.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "absl/strings/str_format.h"
@@ -22,6 +23,13 @@ std::string CollisionText(const simulator::SimEvent& event) {
 }
 
 }  // namespace
+
+double NearestQuantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[static_cast<size_t>(
+      share * static_cast<double>(values.size() - 1) + 0.5)];
+}
 
 std::string NotRunText(size_t done, int expected, const std::string& runs) {
   const int missing = expected - static_cast<int>(done);

@@ -42,6 +42,10 @@ class Tallies {
   std::vector<Row> rows_;
 };
 
+// Of the sorted values that at this share of the way (0: the least, 1: the
+// largest), to the nearest; 0 of none. base::Quantile takes the next higher.
+double NearestQuantile(std::vector<double> values, double share);
+
 // ---- for people ----
 
 // "3 of 10 missions were not run.", or nothing.

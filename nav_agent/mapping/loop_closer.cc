@@ -34,6 +34,10 @@ constexpr size_t kCoarseEvery = 3;
 constexpr double kFineSearch_cells = 1.5;
 // The share of surfaces that must be seen from the same side.
 constexpr double kSameSide = 0.8;
+// Scans of different passes are compared with so many others, of every so many
+// keyscans.
+constexpr size_t kCompared = 4;
+constexpr size_t kComparedEvery = 2;
 
 double LargestSigma_m(const Covariance3& c) {
   const double mean = 0.5 * (c[0] + c[4]);
@@ -62,8 +66,7 @@ absl::Status LoopCloserOptions::Validate() const {
       !(max_search_rad <= 3.2) || !(max_squared_error > 0) ||
       !(max_gap_m > 0) || !(max_gap_m_per_m >= 0) ||
       !(largest_gap_m >= max_gap_m) || !(max_tilt > 0) ||
-      !(same_ground_m >= 0) || !(max_contradicted >= 0) || !(suspect_m > 0) ||
-      min_followed < 0 || !(follow_m >= 0) || !(give_up_m > follow_m)) {
+      !(same_ground_m >= 0) || !suspects.IsValid()) {
     return absl::InvalidArgumentError(
         "loop closer: counts and lengths must be above 0, and the largest "
         "search at least the smallest, at most 20 m and 3.2 rad");
@@ -224,10 +227,9 @@ ScanOutline LoopCloser::QueryScan(int keyscan, int count) const {
   return query;
 }
 
-std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
-                                                     const Chain& chain,
-                                                     const ScanMatch& match,
-                                                     bool wide) const {
+std::optional<LoopLink> LoopCloser::Verified(int keyscan, const Chain& chain,
+                                             const ScanMatch& match,
+                                             bool wide) const {
   const double needed =
       wide ? options_.min_wide_response : options_.min_response;
   if (match.response < needed || match.is_at_border ||
@@ -249,7 +251,7 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
   }
   const geometry::Rigid2& map_from_nearest =
       poses_[static_cast<size_t>(nearest)];
-  Link link = {
+  LoopLink link = {
       .constraint = {.from = nearest,
                      .to = keyscan,
                      .from_from_to =
@@ -261,7 +263,9 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
       .there = ContradictionsOf(keyscan, match.target_from_scan, chain),
       .otherwise = ContradictionsOf(
           keyscan, poses_[static_cast<size_t>(keyscan)], chain)};
-  if (IsContradicted(link.there, link.otherwise)) return std::nullopt;
+  if (options_.suspects.IsContradicted(link.there, link.otherwise)) {
+    return std::nullopt;
+  }
   SetClimb(match.target_from_scan, &link.constraint);
   return link;
 }
@@ -281,7 +285,7 @@ void LoopCloser::SetClimb(const geometry::Rigid2& map_from_to,
                               0.5 * TiltBetween(from, to) * length_m;
 }
 
-std::optional<LoopCloser::Link> LoopCloser::TryChain(
+std::optional<LoopLink> LoopCloser::TryChain(
     int keyscan, const Chain& chain, const geometry::Rigid2& map_from_expected,
     MatchSearch search) const {
   const auto slot = static_cast<size_t>(keyscan);
@@ -365,7 +369,7 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   const std::vector<Chain> chains =
       ChainsNear(keyscan, poses_.back().translation, reach, options_.recent,
                  options_.max_chains);
-  std::vector<std::optional<Link>> links(chains.size());
+  std::vector<std::optional<LoopLink>> links(chains.size());
   base::ParallelFor(static_cast<int64_t>(chains.size()), options_.threads,
                     [&](int64_t i) {
                       const Chain& chain = chains[static_cast<size_t>(i)];
@@ -384,10 +388,10 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   FollowSuspects(keyscan);
   const bool bends = BelieveSuspect(false);
   bool moves = false;
-  for (const std::optional<Link>& link : links) {
+  for (const std::optional<LoopLink>& link : links) {
     if (!link.has_value()) continue;
-    if (link->wide && Moved_m(link->constraint) > options_.suspect_m) {
-      Suspect(*link);
+    if (suspects_.IsSuspect(*link, poses_)) {
+      statistics_.suspected += suspects_.Add(*link, poses_) ? 1 : 0;
       continue;
     }
     moves = moves || SquaredError(link->constraint, poses_) > kMovesGraph;
@@ -405,6 +409,105 @@ std::vector<KeyscanPlace> LoopCloser::Places() const {
     places.push_back({.map_from_base = poses_[i], .height_m = heights_m_[i]});
   }
   return places;
+}
+
+Contradictions LoopCloser::ContradictionsOf(
+    int keyscan, const geometry::Rigid2& map_from_keyscan,
+    const Chain& chain) const {
+  Contradictions found;
+  for (int i = chain.begin; i < chain.end; ++i) {
+    found +=
+        Between(keyscan, i,
+                map_from_keyscan.Inverse() * poses_[static_cast<size_t>(i)]);
+  }
+  return found;
+}
+
+Contradictions LoopCloser::Between(int a, int b,
+                                   const geometry::Rigid2& a_from_b) const {
+  const auto slot_a = static_cast<size_t>(a);
+  const auto slot_b = static_cast<size_t>(b);
+  Contradictions found = seen_[slot_a].Contradicted(*scans_[slot_b], a_from_b);
+  found += seen_[slot_b].Contradicted(*scans_[slot_a], a_from_b.Inverse());
+  return found;
+}
+
+Contradictions LoopCloser::ContradictionsAmong() const {
+  Contradictions found;
+  std::vector<std::pair<double, size_t>> near;
+  for (size_t i = 0; i < poses_.size(); i += kComparedEvery) {
+    near.clear();
+    for (size_t k = 0; k < i; ++k) {
+      if (way_m_[i] - way_m_[k] < MinLoop_m()) break;
+      const double apart_m =
+          geometry::Norm(poses_[i].translation - poses_[k].translation);
+      if (apart_m > options_.overlap_m ||
+          !SeesTheSame(static_cast<int>(i), static_cast<int>(k))) {
+        continue;
+      }
+      near.emplace_back(apart_m, k);
+    }
+    const size_t count = std::min(near.size(), kCompared);
+    std::partial_sort(near.begin(),
+                      near.begin() + static_cast<ptrdiff_t>(count), near.end());
+    for (size_t n = 0; n < count; ++n) {
+      const size_t k = near[n].second;
+      found += Between(static_cast<int>(i), static_cast<int>(k),
+                       poses_[i].Inverse() * poses_[k]);
+    }
+  }
+  return found;
+}
+
+void LoopCloser::FollowSuspects(int keyscan) {
+  suspects_.Follow(
+      keyscan, poses_,
+      [this, keyscan](const geometry::Rigid2& place) -> FollowedKeyscan {
+        const std::vector<Chain> chains =
+            ChainsNear(keyscan, place.translation, {}, options_.recent, 1);
+        if (chains.empty()) return {};
+        const Chain& chain = chains.front();
+        FollowedKeyscan seen = {
+            .found = TryChain(keyscan, chain, place, NearSearch())};
+        // Where it fits as well elsewhere, or little is seen, it says nothing.
+        seen.is_contradicted =
+            !seen.found.has_value() &&
+            options_.suspects.IsContradicted(
+                ContradictionsOf(keyscan, place, chain),
+                ContradictionsOf(keyscan, poses_[static_cast<size_t>(keyscan)],
+                                 chain));
+        return seen;
+      });
+}
+
+bool LoopCloser::BelieveSuspect(bool is_last_chance) {
+  const std::vector<LoopLink> links =
+      suspects_.TakeConfirmed(way_m_, is_last_chance);
+  const bool bends = !links.empty() && TryBending(links);
+  statistics_.given_up += suspects_.GiveUp(way_m_);
+  return bends;
+}
+
+bool LoopCloser::TryBending(const std::vector<LoopLink>& links) {
+  const std::vector<geometry::Rigid2> poses = poses_;
+  const std::vector<double> heights_m = heights_m_;
+  const std::vector<PoseConstraint> constraints = constraints_;
+  const LoopCloserStatistics statistics = statistics_;
+  const int waiting = waiting_;
+  const Contradictions before = ContradictionsAmong();
+  for (const LoopLink& link : links) Believe(link);
+  Optimize();
+  if (!options_.suspects.IsContradicted(ContradictionsAmong(), before)) {
+    return true;
+  }
+  statistics_ = statistics;
+  ++statistics_.undone;
+  waiting_ = waiting;
+  poses_ = poses;
+  heights_m_ = heights_m;
+  constraints_ = constraints;
+  IndexConstraints();
+  return false;
 }
 
 void LoopCloser::Optimize() {
@@ -428,7 +531,7 @@ void LoopCloser::Optimize() {
   IndexConstraints();
 }
 
-void LoopCloser::Believe(const Link& link) {
+void LoopCloser::Believe(const LoopLink& link) {
   ++statistics_.accepted;
   statistics_.wide_accepted += link.wide ? 1 : 0;
   Tie(link.constraint);
@@ -459,7 +562,7 @@ void LoopCloser::Polish(int rounds) {
 }
 
 void LoopCloser::Relink() {
-  std::vector<std::vector<Link>> links(scans_.size());
+  std::vector<std::vector<LoopLink>> links(scans_.size());
   base::ParallelFor(
       static_cast<int64_t>(scans_.size()), options_.threads, [&](int64_t i) {
         const int keyscan = static_cast<int>(i);
@@ -468,15 +571,15 @@ void LoopCloser::Relink() {
             ChainsNear(keyscan, here.translation, {}, options_.polish_recent,
                        options_.polish_chains);
         for (const Chain& chain : chains) {
-          const std::optional<Link> link =
+          const std::optional<LoopLink> link =
               TryChain(keyscan, chain, here, NearSearch());
           if (link.has_value()) links[static_cast<size_t>(i)].push_back(*link);
         }
       });
   std::erase_if(constraints_,
                 [](const PoseConstraint& c) { return c.may_be_wrong; });
-  for (const std::vector<Link>& of_keyscan : links) {
-    for (const Link& link : of_keyscan) {
+  for (const std::vector<LoopLink>& of_keyscan : links) {
+    for (const LoopLink& link : of_keyscan) {
       constraints_.push_back(link.constraint);
     }
   }

@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "common/geometry/rigid2.h"
+#include "nav_agent/mapping/loop_suspects.h"
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_agreement.h"
 #include "nav_agent/mapping/scan_matcher.h"
@@ -54,16 +55,9 @@ struct LoopCloserOptions {
   double min_distinction = 0.1;
   double max_sigma_m = 0.15;
   double max_sigma_rad = 0.05;
-  // Nor may more of what the scans can tell of each other stand where the other
-  // looked through than where the graph has them: by this share of it.
-  double max_contradicted = 0.04;
-  // A loop that moves the robot by more than suspect_m is followed before it is
-  // believed: min_followed later scans must be found where it puts them, over
-  // at least follow_m of the way (m). It is given up after give_up_m.
-  double suspect_m = 0.5;
-  int min_followed = 3;
-  double follow_m = 1.5;
-  double give_up_m = 8;
+  // Those that would move the robot far, and what scans tell of each other's
+  // places.
+  LoopSuspectOptions suspects;
   // Loops that the optimised graph contradicts by more than this squared error
   // (3 degrees of freedom) are dropped.
   double max_squared_error = 30.0;
@@ -124,7 +118,10 @@ class LoopCloser {
  public:
   LoopCloser(const LoopCloserOptions& options,
              const ScanMatcherOptions& matcher, const PoseGraphOptions& graph)
-      : options_(options), matcher_(matcher), graph_(graph) {}
+      : options_(options),
+        matcher_(matcher),
+        graph_(graph),
+        suspects_(options.suspects) {}
 
   // Returns whether places have changed.
   bool Add(const NewKeyscan& keyscan);
@@ -152,21 +149,6 @@ class LoopCloser {
     int nearest = 0;
     double distance_m = 0;
   };
-  struct Link {
-    PoseConstraint constraint;
-    bool wide = false;
-    // Between the scan and those of the chain, where the loop puts it and where
-    // the graph did.
-    Contradictions there;
-    Contradictions otherwise;
-  };
-
-  // A loop that would move the robot far, and what came of following it.
-  struct SuspectedLoop {
-    std::vector<Link> links;  // the first one is what is suspected
-    int against = 0;  // keyscans that are contradicted where it puts them
-  };
-
   std::vector<Reach> ReachFrom(int keyscan) const;
   // reach empty: places are taken as they are.
   std::vector<Chain> ChainsNear(int keyscan, geometry::Vec2 here,
@@ -177,11 +159,11 @@ class LoopCloser {
   // A loop is at least this long.
   double MinLoop_m() const { return 3 * options_.overlap_m; }
   // The keyscan among those of a chain, near to where it is expected.
-  std::optional<Link> TryChain(int keyscan, const Chain& chain,
-                               const geometry::Rigid2& map_from_expected,
-                               MatchSearch search) const;
-  std::optional<Link> Verified(int keyscan, const Chain& chain,
-                               const ScanMatch& match, bool wide) const;
+  std::optional<LoopLink> TryChain(int keyscan, const Chain& chain,
+                                   const geometry::Rigid2& map_from_expected,
+                                   MatchSearch search) const;
+  std::optional<LoopLink> Verified(int keyscan, const Chain& chain,
+                                   const ScanMatch& match, bool wide) const;
   // Whether the place where the graph has the robot fits about as well as one
   // that was found far from it.
   bool IsAmbiguous(std::span<const PlacedScan> references,
@@ -202,27 +184,15 @@ class LoopCloser {
   Contradictions Between(int a, int b, const geometry::Rigid2& a_from_b) const;
   // Between keyscans of different passes that are near to each other.
   Contradictions ContradictionsAmong() const;
-  bool IsContradicted(const Contradictions& there,
-                      const Contradictions& otherwise) const {
-    return there.contradicted >
-           otherwise.contradicted + options_.max_contradicted * there.told;
-  }
-  double Moved_m(const PoseConstraint& loop) const;
-  // Where the robot is at a keyscan if a suspected loop is right.
-  geometry::Rigid2 PlaceIf(const SuspectedLoop& suspect, int keyscan) const;
-  // Adds a loop to those that are followed, unless one of them says the same.
-  void Suspect(const Link& link);
-  // Looks for a new keyscan where suspects put it.
+  // Looks for a new keyscan where suspected loops put it.
   void FollowSuspects(int keyscan);
-  double Followed_m(const SuspectedLoop& suspect) const;
-  bool IsConfirmed(const SuspectedLoop& suspect, bool is_last_chance) const;
   // Takes the suspect that was found most often, if it is confirmed, and gives
   // up others. Whether places have changed.
   bool BelieveSuspect(bool is_last_chance);
   // Optimises with these loops, unless other scans then stand in each other's
   // way; whether it was done.
-  bool TryBending(const std::vector<Link>& links);
-  void Believe(const Link& link);
+  bool TryBending(const std::vector<LoopLink>& links);
+  void Believe(const LoopLink& link);
   void Optimize();
   void Tie(const PoseConstraint& constraint);
   void IndexConstraints();
@@ -240,7 +210,7 @@ class LoopCloser {
   bool climbs_ = false;                 // whether anything is not level
   std::vector<PoseConstraint> constraints_;
   std::vector<std::vector<int>> constraints_of_;  // a keyscan
-  std::vector<SuspectedLoop> suspects_;
+  LoopSuspects suspects_;
   int waiting_ = 0;  // links that were not optimised yet
   LoopCloserStatistics statistics_;
 };

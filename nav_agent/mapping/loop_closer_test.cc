@@ -145,7 +145,7 @@ double EndError_m(const LoopCloser& closer,
 
 TEST(LoopCloser, LoopsThatMoveTheRobotFarAreFollowedAndThenBelieved) {
   std::vector<geometry::Rigid2> truth;
-  const LoopCloser closer = RoundHall(7, {.suspect_m = 0.2}, truth);
+  const LoopCloser closer = RoundHall(7, {.suspects = {.moved_m = 0.2}}, truth);
   EXPECT_GT(closer.statistics().suspected, 0);
   EXPECT_GT(closer.statistics().wide_accepted, 0);
   EXPECT_EQ(WrongLoops(closer, truth), 0);
@@ -153,8 +153,8 @@ TEST(LoopCloser, LoopsThatMoveTheRobotFarAreFollowedAndThenBelieved) {
 }
 
 TEST(LoopCloser, WhatIsFollowedIsDecidedAtTheEndAtTheLatest) {
-  LoopCloserOptions never = {.suspect_m = 0.2, .follow_m = 100};
-  never.give_up_m = 1000;
+  const LoopCloserOptions never = {
+      .suspects = {.moved_m = 0.2, .follow_m = 100, .give_up_m = 1000}};
   std::vector<geometry::Rigid2> truth;
   LoopCloser closer = RoundHall(5, never, truth);
   ASSERT_GT(closer.statistics().suspected, 0);

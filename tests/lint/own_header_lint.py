@@ -12,10 +12,7 @@ import sys
 import lint_common
 
 # Each with its reason. A line for what needs none is itself a finding.
-EXCEPTIONS = {
-    "nav_agent/mapping/loop_suspects.cc":
-        "the half of LoopCloser that doubts; loop_closer.h declares it",
-}
+EXCEPTIONS = {}
 
 FREE_SUFFIXES = ("_test.cc", "_benchmark.cc", "_fuzz.cc")
 FREE_FOLDERS = ("tests",)

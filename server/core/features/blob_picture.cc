@@ -50,6 +50,17 @@ std::vector<Blob> RandomBlobs(int count, int width, int height) {
   return blobs;
 }
 
+NearestFeature NearestTo(const Blob& blob, const SiftFeatures& features) {
+  NearestFeature nearest;
+  for (const SiftKeypoint& k : features.keypoints) {
+    const double px = std::hypot(k.pixel.x - blob.x, k.pixel.y - blob.y);
+    if (px < nearest.distance_px) {
+      nearest = {.keypoint = &k, .distance_px = px};
+    }
+  }
+  return nearest;
+}
+
 image::ColorImage ChangeValues(const image::ColorImage& image,
                                const std::function<double(double)>& change) {
   image::ColorImage changed = image;

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "common/image/image.h"
+#include "server/core/features/sift_features.h"
 
 namespace treeline::features {
 
@@ -20,6 +22,14 @@ image::ColorImage PaintBlobs(const std::vector<Blob>& blobs, int width,
 
 // `count` of them all over a picture of this size.
 std::vector<Blob> RandomBlobs(int count, int width, int height);
+
+// The feature that is nearest to a blob; of no features: none, infinitely far
+// away.
+struct NearestFeature {
+  const SiftKeypoint* keypoint = nullptr;
+  double distance_px = std::numeric_limits<double>::infinity();
+};
+NearestFeature NearestTo(const Blob& blob, const SiftFeatures& features);
 
 // Every value changed, rounded and cut off at 0 and 255.
 image::ColorImage ChangeValues(const image::ColorImage& image,

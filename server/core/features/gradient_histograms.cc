@@ -22,6 +22,28 @@ struct Window {
   std::array<float, 2 * kMaxRadius + 1 + 16> weight{};  // then zeros
 };
 
+// The pixels of a window about (x, y) at which gradients can be computed:
+// columns [first, end) and rows [top, bottom), and where the window itself
+// begins.
+struct InnerWindow {
+  InnerWindow(const Window& window, int x, int y, int width, int height)
+      : left(x - window.radius), above(y - window.radius) {
+    first = left < 1 ? 1 : left;
+    top = above < 1 ? 1 : above;
+    end = x + window.radius + 1;
+    if (end > width - 1) end = width - 1;
+    bottom = y + window.radius + 1;
+    if (bottom > height - 1) bottom = height - 1;
+  }
+
+  int left;
+  int above;
+  int first;
+  int end;
+  int top;
+  int bottom;
+};
+
 // Directions of a histogram that angles are read off.
 constexpr size_t kAngles = 36;
 
@@ -64,23 +86,18 @@ void SumHarmonics(const float* image, size_t stride, int width, int height,
   for (size_t k = 0; k < kHarmonics; ++k) {
     real[k] = imaginary[k] = hn::Zero(d);
   }
-  const int left = x - window.radius;
-  const int top = y - window.radius;
-  const int first = left < 1 ? 1 : left;
-  const int end =
-      x + window.radius + 1 > width - 1 ? width - 1 : x + window.radius + 1;
-  const int last_row =
-      y + window.radius > height - 2 ? height - 2 : y + window.radius;
+  const InnerWindow inner(window, x, y, width, height);
+  const int end = inner.end;
   const auto tiny = hn::Set(d, 1e-12F);
-  for (int j = top < 1 ? 1 : top; j <= last_row; ++j) {
+  for (int j = inner.top; j < inner.bottom; ++j) {
     const float* row = image + static_cast<size_t>(j) * stride;
     const auto row_weight =
-        hn::Set(d, window.weight[static_cast<size_t>(j - top)]);
-    for (int i = first; i < end; i += lanes) {
+        hn::Set(d, window.weight[static_cast<size_t>(j - inner.above)]);
+    for (int i = inner.first; i < end; i += lanes) {
       const auto inside = hn::FirstN(d, static_cast<size_t>(end - i));
       const auto weight = hn::IfThenElseZero(
-          inside,
-          hn::Mul(row_weight, hn::LoadU(d, window.weight.data() + (i - left))));
+          inside, hn::Mul(row_weight, hn::LoadU(d, window.weight.data() +
+                                                       (i - inner.left))));
       const auto gx =
           hn::Sub(hn::LoadU(d, row + i + 1), hn::LoadU(d, row + i - 1));
       const auto gy = hn::Sub(hn::LoadU(d, row + i + stride),
@@ -137,30 +154,25 @@ void SumDirections(const float* image, size_t stride, int width, int height,
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const int left = x - window.radius;
-  const int top = y - window.radius;
-  const int first = left < 1 ? 1 : left;
-  const int end =
-      x + window.radius + 1 > width - 1 ? width - 1 : x + window.radius + 1;
-  const int last_row =
-      y + window.radius > height - 2 ? height - 2 : y + window.radius;
+  const InnerWindow inner(window, x, y, width, height);
+  const int end = inner.end;
   const auto per_eighth = hn::Set(d, static_cast<float>(kAngles) / 8);
   // A full turn is direction 0 again.
   float sums[kAngles + 1] = {};
   HWY_ALIGN float share[16];
   HWY_ALIGN int32_t nearest[16];
-  for (int j = top < 1 ? 1 : top; j <= last_row; ++j) {
+  for (int j = inner.top; j < inner.bottom; ++j) {
     const float* row = image + static_cast<size_t>(j) * stride;
     const auto row_weight =
-        hn::Set(d, window.weight[static_cast<size_t>(j - top)]);
-    for (int i = first; i < end; i += lanes) {
+        hn::Set(d, window.weight[static_cast<size_t>(j - inner.above)]);
+    for (int i = inner.first; i < end; i += lanes) {
       const auto gx =
           hn::Sub(hn::LoadU(d, row + i + 1), hn::LoadU(d, row + i - 1));
       const auto gy = hn::Sub(hn::LoadU(d, row + i + stride),
                               hn::LoadU(d, row + i - stride));
       const auto size = hn::Sqrt(hn::MulAdd(gx, gx, hn::Mul(gy, gy)));
-      const auto weight =
-          hn::Mul(row_weight, hn::LoadU(d, window.weight.data() + (i - left)));
+      const auto weight = hn::Mul(
+          row_weight, hn::LoadU(d, window.weight.data() + (i - inner.left)));
       hn::Store(hn::Mul(weight, size), d, share);
       hn::Store(hn::NearestInt(hn::Mul(DirectionOf(d, gx, gy), per_eighth)), di,
                 nearest);

@@ -35,19 +35,13 @@ TEST(SiftExtractorTest, PositionsAreThoseOfBlobsToATwentiethOfAPixel) {
   const SiftFeatures features = ExtractSift(PaintBlobs(blobs, 160, 120), {});
   ASSERT_EQ(features.keypoints.size(), features.descriptors.size());
   for (const Blob& blob : blobs) {
-    const SiftKeypoint* nearest = nullptr;
-    double nearest_px = 1e9;
-    for (const SiftKeypoint& k : features.keypoints) {
-      const double px = std::hypot(k.pixel.x - blob.x, k.pixel.y - blob.y);
-      if (px >= nearest_px) continue;
-      nearest_px = px;
-      nearest = &k;
-    }
-    ASSERT_NE(nearest, nullptr);
-    EXPECT_LT(nearest_px, 0.05) << blob.x;
+    const NearestFeature nearest = NearestTo(blob, features);
+    ASSERT_NE(nearest.keypoint, nullptr);
+    EXPECT_LT(nearest.distance_px, 0.05) << blob.x;
     // The difference of Gaussians with blurs s and 2^(1/3) s is largest at a
     // blob of 2^(1/6) s; the diameter is 2 s.
-    EXPECT_NEAR(nearest->diameter_px / (2 * blob.sigma), 0.89, 0.08) << blob.x;
+    EXPECT_NEAR(nearest.keypoint->diameter_px / (2 * blob.sigma), 0.89, 0.08)
+        << blob.x;
   }
 }
 

@@ -309,15 +309,16 @@ Query Pipeline::Ask(const image::Frame& frame,
   return query;
 }
 
-absl::StatusOr<bool> Pipeline::IsRather(Query query,
-                                        const Selection& stated) const {
+absl::StatusOr<bool> Pipeline::IsRather(Query query, Found& stated) const {
   // Once, without corrections: they take longer than all else, and a camera
   // that is right needs none to be better than one that is wrong.
   query.set_depth_scale_open(false);
   TL_ASSIGN_OR_RETURN(const Selection other, SelectCandidate(method_, query));
+  Add(query.timings(), stated.timings);
+  const auto& before = stated.selection.verdict;
   return other.verdict && other.verdict->is_believed() &&
-         (!stated.verdict || !stated.verdict->is_believed() ||
-          OddsRatio(*other.verdict, *stated.verdict) >= kUnsureFocalOdds);
+         (!before || !before->is_believed() ||
+          OddsRatio(*other.verdict, *before) >= kUnsureFocalOdds);
 }
 
 absl::Status Pipeline::TryOtherCameras(const image::Frame& frame,
@@ -329,12 +330,13 @@ absl::Status Pipeline::TryOtherCameras(const image::Frame& frame,
   for (const camera::Camera& other :
        CentredCameras(stated.color, info().calibration.color)) {
     Query query = Ask(frame, WithColor(stated, other), options, scratch);
-    TL_ASSIGN_OR_RETURN(const bool is_rather, IsRather(query, found.selection));
+    TL_ASSIGN_OR_RETURN(const bool is_rather, IsRather(query, found));
     if (!is_rather) continue;
     found.corrections = {};
     TL_ASSIGN_OR_RETURN(
         found.selection,
         SelectWithAnyCalibration(method_, query, found.corrections));
+    Add(query.timings(), found.timings);
     found.corrections.focal_scale *=
         camera::MeanFocal_px(other) / camera::MeanFocal_px(stated.color);
   }
@@ -363,6 +365,7 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   estimate.focal_error_sigmas = found.corrections.focal_error_sigmas;
   estimate.depth_scale = found.corrections.depth_scale;
   estimate.timings = query.timings();
+  Add(found.timings, estimate.timings);
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;
 }

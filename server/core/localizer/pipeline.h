@@ -106,13 +106,15 @@ class Pipeline final : public Localizer {
   struct Found {
     Selection selection;
     Corrections corrections;
+    // Of queries of other cameras.
+    LocalizeTimings timings;
   };
   Query Ask(const image::Frame& frame,
             const camera::RgbdCalibration& calibration,
             const LocalizeOptions& options, QueryScratch& scratch) const;
   // Whether what `query`, of another camera than the stated one, finds is to be
-  // believed rather than what was found with that.
-  absl::StatusOr<bool> IsRather(Query query, const Selection& stated) const;
+  // believed rather than what was found with that. Adds to its timings.
+  absl::StatusOr<bool> IsRather(Query query, Found& stated) const;
   // Puts what was found with one of CentredCameras in the place of `found`,
   // where that is rather to be believed.
   absl::Status TryOtherCameras(const image::Frame& frame,
