@@ -4,6 +4,7 @@ import json
 import pathlib
 import subprocess
 import tempfile
+import time
 import unittest
 import xml.etree.ElementTree
 
@@ -11,13 +12,21 @@ from stub_programs import REPOSITORY
 
 # What Treeline writes, as far as the script reads it; a line of each call.
 PROGRAM = r"""#!/usr/bin/env python3
-import json, pathlib, sys
+import json, pathlib, signal, sys, time
 words = sys.argv[1:]
 here = pathlib.Path(__file__).parent
 with open(here / "calls", "a") as calls:
     calls.write(" ".join(words) + "\n")
 def value(flag):
     return words[words.index(flag) + 1]
+if (here / "waits").exists():
+    def stop(*_):
+        (here / "stopped").touch()
+        sys.exit(130)
+    signal.signal(signal.SIGTERM, stop)
+    (here / "waiting").touch()
+    while True:
+        time.sleep(0.05)
 if words[0] == "train" and (here / "fails").exists():
     sys.exit("no memory")
 if words[0] == "train":
@@ -93,6 +102,21 @@ class MeasureGrowthTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         records = [call for call in self.calls() if "record" in call]
         self.assertEqual(len(records), 2)
+
+    def test_stopped_it_stops_what_runs(self):
+        (self.folder / "waits").touch()
+        running = subprocess.Popen(
+            [REPOSITORY / "scripts" / "measure-growth", "--program",
+             self.program, "--out", self.folder / "out", "--areas", "100",
+             "--rooms", "0"], stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE, text=True)
+        while not (self.folder / "stopped").exists():
+            if (self.folder / "waiting").exists():
+                running.terminate()
+            time.sleep(0.05)
+        _, words = running.communicate(timeout=60)
+        self.assertEqual(running.returncode, 130)
+        self.assertIn("stopped", words)
 
     def test_wrong_usage(self):
         self.assertEqual(self.measure("--areas", "100,-3").returncode, 2)
