@@ -81,8 +81,10 @@ void AddEstimate(const FrameResult& result, Json& json) {
                         {"visible", evidence.visible},
                         {"overlap", Number(evidence.overlap)},
                         {"depth_agreement", Number(evidence.depth_agreement)},
+                        {"contradicted", Number(evidence.contradicted)},
                         {"moved_m", Number(evidence.moved_m)},
                         {"matches", evidence.matches},
+                        {"distinct", Number(evidence.distinct)},
                         {"sigma_m", Number(evidence.sigma_m)}};
   }
   json["world_from_camera"] =

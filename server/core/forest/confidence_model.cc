@@ -27,7 +27,24 @@ double Sharpness(double sigma_m) {
   return std::clamp(-std::log10(sigma_m / 0.05), 0.0, 1.0);
 }
 
+// What supports a pose is found elsewhere, too, if less than this share of it
+// is distinct. In rooms nothing of which repeats it is 0.71 and more, with half
+// of the picture cut away or covered (docs/research/growth.md).
+constexpr double kSureDistinct = 0.7;
+// Such a place has to look as learnt, but for one cell of some fifty; if still
+// less is distinct, even that says nothing.
+constexpr double kMaxContradicted = 0.02;
+constexpr double kMinDistinct = 0.3;
+// The odds' logarithm then, at most: rather wrong than right.
+constexpr double kElsewhereLogit = -0.4;
+
 }  // namespace
+
+bool MayBeElsewhere(const PoseEvidence& evidence) {
+  return evidence.matches > 0 && (evidence.distinct < kMinDistinct ||
+                                  (evidence.distinct < kSureDistinct &&
+                                   evidence.contradicted > kMaxContradicted));
+}
 
 const std::array<absl::string_view, ConfidenceModel::kFeatures>&
 ConfidenceModel::FeatureNames() {
@@ -59,6 +76,7 @@ double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
   const Features features = FeaturesOf(evidence);
   double logit = 0;
   for (size_t i = 0; i < kFeatures; ++i) logit += weights[i] * features[i];
+  if (MayBeElsewhere(evidence)) logit = std::min(logit, kElsewhereLogit);
   return 1 / (1 + std::exp(-logit));
 }
 

@@ -20,15 +20,25 @@ struct PoseEvidence {
   double overlap = 0;          // in [0, 1]
   int measured = 0;            // 0: without depth
   double depth_agreement = 0;  // in [0, 1]
+  // The share of the picture that looks like something else, in [0, 1]; see
+  // CellAgreement.
+  double contradicted = 0;
   // How far alignment moved the pose (m).
   double moved_m = 0;
   // Features of the frame that support the pose, each like one of a keyframe or
   // of a structure from motion; 0: it comes from a forest of samples.
   int matches = 0;
+  // The share of them that is like nothing elsewhere in the scene, in [0, 1].
+  double distinct = 1;
   // Standard deviation of the position by the pose's covariance (m); 0: not
   // known.
   double sigma_m = 0;
 };
+
+// Whether the pose may be that of another place that looks alike: what supports
+// it is found elsewhere, too, and nothing sets the place apart, or the picture
+// shows something else than was learnt there.
+bool MayBeElsewhere(const PoseEvidence& evidence);
 
 // Logistic regression on features of the evidence. Fitted by the trainer on
 // frames that the model had not seen; see training/confidence_fitter.h.
@@ -49,7 +59,8 @@ struct ConfidenceModel {
   static const std::array<absl::string_view, kFeatures>& FeatureNames();
   static Features FeaturesOf(const PoseEvidence& evidence);
 
-  // In [0, 1].
+  // In [0, 1]. Below a half if MayBeElsewhere, whatever else speaks for the
+  // pose: the weights are those of places that are not alike.
   double Probability(const PoseEvidence& evidence) const;
 
   // Learnt over scenes of many kinds, see docs/research/confidence.md: what a

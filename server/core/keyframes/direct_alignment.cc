@@ -10,6 +10,8 @@
 #include "Eigen/Core"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/keyframes/alignment_kernels.h"
+#include "server/core/keyframes/brightness_moments.h"
+#include "server/core/keyframes/cell_agreement.h"
 #include "server/core/keyframes/depth_lookup.h"
 #include "server/core/keyframes/parameters.h"
 
@@ -49,32 +51,6 @@ Exposure ExposureFrom(const ExposureSums& s) {
       (s.y - exposure.gain * s.x) / s.w + 128 * (1 - exposure.gain);
   return exposure;
 }
-
-// Of the brightness that a keyframe says, and of that which is seen.
-struct BrightnessMoments {
-  ExposureSums sums;
-  float yy = 0;
-
-  void Add(float reference, float brightness) {
-    const float x = reference - 128;
-    const float y = brightness - 128;
-    sums += {.w = 1, .x = x, .y = y, .xx = x * x, .xy = x * y};
-    yy += y * y;
-  }
-  BrightnessMoments& operator+=(const BrightnessMoments& other) {
-    sums += other.sums;
-    yy += other.yy;
-    return *this;
-  }
-  // 0 where hardly anything varies.
-  float Correlation() const {
-    const float n = sums.w;
-    const float vx = sums.xx - sums.x * sums.x / n;
-    const float vy = yy - sums.y * sums.y / n;
-    if (!(vx > n && vy > n)) return 0;
-    return (sums.xy - sums.x * sums.y / n) / std::sqrt(vx * vy);
-  }
-};
 
 // The picture in parts, row by row.
 using BrightnessCells =
@@ -425,29 +401,39 @@ class Aligner {
   }
 
   // What is covered agrees neither in brightness nor in depth, and tells
-  // nothing.
-  void JudgeSurfaces(Alignment& alignment) {
+  // nothing; what lies on its surface and looks otherwise contradicts.
+  void JudgeSurfaces(Alignment& alignment, CellAgreement& cells) {
     const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
     const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
     MeasureUpTo(runs.back().end);
     int lying = 0;
     for (size_t run = 0; run < runs.size(); ++run) {
       for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
-        if (!HasSurface(i) || !AgreesInBrightness(run, i)) continue;
+        if (!HasSurface(i)) continue;
         const geometry::Vec3 normal{points_.nx[i], points_.ny[i],
                                     points_.nz[i]};
         const geometry::Vec3 gap{seen_.x[i] - measured_.x[i],
                                  seen_.y[i] - measured_.y[i],
                                  seen_.z[i] - measured_.z[i]};
-        ++alignment.measured;
-        lying += std::abs(geometry::Dot(r * normal, gap)) <=
-                 0.02 + 3 * static_cast<double>(measured_.sigma_m[i]);
+        const bool lies = std::abs(geometry::Dot(r * normal, gap)) <=
+                          0.02 + 3 * static_cast<double>(measured_.sigma_m[i]);
+        const bool agrees = AgreesInBrightness(run, i);
+        alignment.measured += agrees;
+        lying += agrees && lies;
+        if (lies) AddTo(cells, run, i, agrees);
       }
     }
     if (alignment.measured > 0) {
       alignment.depth_agreement =
           static_cast<double>(lying) / alignment.measured;
     }
+  }
+
+  void AddTo(CellAgreement& cells, size_t run, size_t i, bool agrees) {
+    const float brightness = seen_.brightness[i];
+    cells.Add(seen_.u[i], seen_.v[i],
+              brightness - Residual(options_.last_level, run, i), brightness,
+              agrees);
   }
 
   std::optional<DepthScale> JudgeDepthScale() {
@@ -471,11 +457,15 @@ class Aligner {
     alignment.overlap = static_cast<double>(visible_) / total_points_;
     double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
     int agreeing = 0;
+    CellAgreement cells(calibration_.color.width(),
+                        calibration_.color.height());
     const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
     for (size_t run = 0; run < runs.size(); ++run) {
       for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
         if (seen_.seen[i] == 0) continue;
-        agreeing += AgreesInBrightness(run, i);
+        const bool agrees = AgreesInBrightness(run, i);
+        agreeing += agrees;
+        if (depth_ == nullptr) AddTo(cells, run, i, agrees);
         // Against what the keyframe, exposed alike, would have shown.
         const double b = seen_.brightness[i];
         const double a = b - Residual(options_.last_level, run, i);
@@ -494,9 +484,10 @@ class Aligner {
       alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
     }
     if (depth_ != nullptr) {
-      JudgeSurfaces(alignment);
+      JudgeSurfaces(alignment, cells);
       alignment.depth_scale = JudgeDepthScale();
     }
+    alignment.contradicted = cells.Contradicted();
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =
         kCorrelatedPoints * information_.ldlt().solve(Matrix6::Identity());

@@ -44,6 +44,8 @@ struct Alignment {
   // that lie on it.
   int measured = 0;
   double depth_agreement = 0;
+  // See CellAgreement: of the points that lie on depth, or of all without.
+  double contradicted = 0;
   // What speaks for another scale of depth: by EstimateDepthScale if depth was
   // only measured, else by DepthScaleStep. nullopt: nothing does.
   std::optional<DepthScale> depth_scale;

@@ -51,6 +51,7 @@ struct Pair {
   uint32_t query = 0;
   uint32_t known = 0;
   double ratio = 1;
+  int32_t squared_distance = 0;
 };
 
 // In the order of the keyframe's features.
@@ -79,7 +80,9 @@ void FindPairs(std::span<const features::SiftDescriptor> queries,
     const features::NearestSift& match = nearest[back[j]];
     const double ratio = std::sqrt(static_cast<double>(match.squared_distance) /
                                    std::max(1, match.second_squared_distance));
-    if (ratio <= max_ratio) pairs.push_back({back[j], j, ratio});
+    if (ratio <= max_ratio) {
+      pairs.push_back({back[j], j, ratio, match.squared_distance});
+    }
   }
 }
 
@@ -148,8 +151,13 @@ std::vector<KeyframeMatch> MatchKeyframes(
     FindPairs(features.descriptors, known, max_ratio, pairs);
     for (const Pair& pair : pairs) {
       const auto& [x, y, z] = known[pair.known].position_in_world;
-      matches.push_back({features.keypoints[pair.query].pixel,
-                         geometry::Vec3{x, y, z}, pair.ratio});
+      matches.push_back({.pixel = features.keypoints[pair.query].pixel,
+                         .point_in_world = geometry::Vec3{x, y, z},
+                         .ratio = pair.ratio,
+                         .feature = pair.query,
+                         .known = static_cast<uint32_t>(&known[pair.known] -
+                                                        map.features().data()),
+                         .squared_distance = pair.squared_distance});
     }
   }
   std::ranges::stable_sort(matches, {}, &KeyframeMatch::ratio);

@@ -4,6 +4,7 @@
 #define SERVER_CORE_KEYFRAMES_KEYFRAME_FEATURES_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,11 @@ struct KeyframeMatch {
   // Of the distances to the nearest and the second nearest feature, in [0, 1]:
   // small is sure.
   double ratio = 1;
+  // Which of the frame's features it is, and of KeyframeMap::features, and how
+  // far their descriptors are apart.
+  uint32_t feature = 0;
+  uint32_t known = 0;
+  int32_t squared_distance = 0;
 };
 
 // Matches of a frame's features with each of the keyframes, surest first: pairs

@@ -206,10 +206,38 @@ absl::StatusOr<KeyframeIndex> KeyframeIndex::Create(
       const uint16_t word = words.word_of[i];
       index.postings_[end[word]++] = {
           SignatureOf(indexed[i], index.means_[kinds + word]),
-          static_cast<uint32_t>(k)};
+          static_cast<uint32_t>(k),
+          static_cast<uint32_t>(first[k] + IndexedOf(first, k) - (stop - i))};
     }
   }
   return index;
+}
+
+template <typename Visit>
+void KeyframeIndex::ForEachAlike(std::span<const SiftDescriptor> queries,
+                                 const Visit& visit) const {
+  const size_t kinds = KindsAmong(means_.size());
+  const std::vector<uint16_t> words = WordsOf(queries, means_);
+  for (size_t q = 0; q < queries.size(); ++q) {
+    const uint16_t word = words[q];
+    const uint64_t signature = SignatureOf(queries[q], means_[kinds + word]);
+    for (size_t p = first_posting_[word]; p < first_posting_[word + 1]; ++p) {
+      const int bits = std::popcount(signature ^ postings_[p].signature);
+      if (bits > kMaxDifferentBits) continue;
+      visit(q, word, postings_[p], static_cast<size_t>(bits));
+    }
+  }
+}
+
+std::vector<std::vector<uint32_t>> KeyframeIndex::FeaturesLike(
+    std::span<const SiftDescriptor> queries) const {
+  std::vector<std::vector<uint32_t>> alike(queries.size());
+  if (postings_.empty()) return alike;
+  ForEachAlike(queries,
+               [&](size_t query, uint16_t, const Posting& posting, size_t) {
+                 alike[query].push_back(posting.feature);
+               });
+  return alike;
 }
 
 std::vector<size_t> KeyframeIndex::MostSimilar(
@@ -222,20 +250,12 @@ std::vector<size_t> KeyframeIndex::MostSimilar(
     const float t = static_cast<float>(bits) / kDifferentBits;
     likeness[static_cast<size_t>(bits)] = std::exp(-t * t);
   }
-  const size_t kinds = KindsAmong(means_.size());
-  const std::vector<uint16_t> words = WordsOf(queries, means_);
   std::vector<float> votes(keyframe_weight_.size());
-  for (size_t q = 0; q < queries.size(); ++q) {
-    const uint16_t word = words[q];
-    const uint64_t signature = SignatureOf(queries[q], means_[kinds + word]);
-    const float weight = word_weight_[word] * word_weight_[word];
-    for (size_t p = first_posting_[word]; p < first_posting_[word + 1]; ++p) {
-      const Posting& posting = postings_[p];
-      const int bits = std::popcount(signature ^ posting.signature);
-      if (bits > kMaxDifferentBits) continue;
-      votes[posting.keyframe] += weight * likeness[static_cast<size_t>(bits)];
-    }
-  }
+  ForEachAlike(queries,
+               [&](size_t, uint16_t word, const Posting& posting, size_t bits) {
+                 const float weight = word_weight_[word] * word_weight_[word];
+                 votes[posting.keyframe] += weight * likeness[bits];
+               });
   std::vector<std::pair<float, size_t>> order;  // least is most similar
   for (size_t k = 0; k < votes.size(); ++k) {
     if (votes[k] > 0) order.emplace_back(-votes[k] * keyframe_weight_[k], k);

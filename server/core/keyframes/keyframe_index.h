@@ -46,11 +46,22 @@ class KeyframeIndex {
   std::vector<size_t> MostSimilar(
       std::span<const features::SiftDescriptor> queries, size_t count) const;
 
+  // The indexed features, numbered as in LearnWords, of each query's word and
+  // with a signature like its own.
+  std::vector<std::vector<uint32_t>> FeaturesLike(
+      std::span<const features::SiftDescriptor> queries) const;
+
  private:
   struct Posting {
     uint64_t signature = 0;
     uint32_t keyframe = 0;
+    uint32_t feature = 0;
   };
+  // Calls visit(query, word, posting, differing bits) for each posting of each
+  // query's word with a signature alike.
+  template <typename Visit>
+  void ForEachAlike(std::span<const features::SiftDescriptor> queries,
+                    const Visit& visit) const;
 
   // Those of KeyframeWords.
   std::vector<features::SiftDescriptor> means_;

@@ -77,6 +77,9 @@ class KeyframeMap {
                              first_feature_[i + 1] - first_feature_[i]);
   }
 
+  // Of all keyframes.
+  std::span<const KeyframeFeature> features() const { return features_; }
+
   // Over FastSift's features; empty where they are Lowe's.
   const KeyframeIndex& index() const { return index_; }
 

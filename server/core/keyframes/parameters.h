@@ -94,6 +94,39 @@ inline constexpr base::Parameter<float> kMinExposureCorrelation{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "... of their brightness with the picture's"};
+inline constexpr base::Parameter<int> kCellColumns{
+    .name = "cell_columns",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "cells of a picture's width in which it may look like something else"};
+inline constexpr base::Parameter<int> kCellRows{
+    .name = "cell_rows",
+    .value = 6,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... and of its height"};
+inline constexpr base::Parameter<float> kMinCellPoints{
+    .name = "min_cell_points",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "keyframe points that such a cell needs"};
+inline constexpr base::Parameter<float> kMinCellAgreement{
+    .name = "min_cell_agreement",
+    .value = 0.5F,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "it looks like something else if fewer of them agree"};
+inline constexpr base::Parameter<float> kMinCellCorrelation{
+    .name = "min_cell_correlation",
+    .value = 0.3F,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and their brightness goes less with what is expected; another "
+        "light changes how many agree alone"};
 inline constexpr base::Parameter<float> kMaxGain{
     .name = "max_gain",
     .value = 5,
@@ -251,6 +284,20 @@ inline constexpr base::Parameter<size_t> kIndexQueries{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "features of a frame that ask for votes"};
+inline constexpr base::Parameter<double> kElsewhere_m{
+    .name = "elsewhere",
+    .value = 1.5,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features further apart are of other things"};
+inline constexpr base::Parameter<double> kMaxDistinctRatio{
+    .name = "max_distinct_ratio",
+    .value = 0.8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "a match is distinct if what is most like it elsewhere is further by "
+        "more than this ratio (Lowe 2004)"};
 inline constexpr base::Parameter<double> kFeaturesPerWord{
     .name = "features_per_word",
     .value = 40,

@@ -25,6 +25,9 @@ struct Candidate {
   bool is_matched = false;
   // What matched features say of the focal length that the query states.
   std::optional<pose::FocalEstimate> focal;
+  // Of the features that support the pose, the share that is like nothing
+  // elsewhere in the scene, in [0, 1]; see CountDistinct.
+  double distinct = 1;
   // Filled if the query asks for it.
   std::vector<Correspondence> correspondences;
 

@@ -1,6 +1,7 @@
 #include "server/core/localizer/keyframe_source.h"
 
 #include "common/base/status_macros.h"
+#include "server/core/keyframes/distinct_matches.h"
 #include "server/core/keyframes/keyframe_features.h"
 #include "server/core/pose/ray_refinement.h"
 
@@ -37,7 +38,7 @@ std::vector<size_t> KeyframeSource::Choose(
 
 absl::StatusOr<size_t> KeyframeSource::Observe(
     Query& query, std::span<const Candidate> earlier,
-    RayObservations& seen) const {
+    KeyframeObservations& seen) const {
   const StageTimer timer(query.timings().features_ms);
   const features::SiftFeatures& features =
       query.keyframe_features(map_->sift_kind());
@@ -50,6 +51,7 @@ absl::StatusOr<size_t> KeyframeSource::Observe(
         query.camera().Unproject(match.pixel);
     if (!ray) continue;
     seen.pixel.push_back(match.pixel);
+    seen.match.push_back(match);
     scene.ray.push_back(*ray);
     scene.predictions.push_back(
         {match.point_in_world, {variance, 0, 0, variance, 0, variance}});
@@ -59,18 +61,32 @@ absl::StatusOr<size_t> KeyframeSource::Observe(
 }
 
 pose::RaySolver KeyframeSource::Solver(Query& query,
-                                       const RayObservations& seen) const {
+                                       const KeyframeObservations& seen) const {
   return {seen.scene,
           {.inlier_distance = kKeyframeRansacInlier_px * query.pixel()}};
 }
 
 std::optional<pose::RefinedPose> KeyframeSource::Refine(
-    Query& query, const RayObservations& seen,
+    Query& query, const KeyframeObservations& seen,
     const geometry::Rigid3& world_from_camera) const {
   return pose::RefineRays(
       seen.scene, world_from_camera,
       {.robust_scale = RobustScale(query),
        .inlier_distance = kKeyframeInlier_px * query.pixel()});
+}
+
+double KeyframeSource::DistinctShare(Query& query,
+                                     const KeyframeObservations& seen,
+                                     const pose::RefinedPose& pose) const {
+  const StageTimer timer(query.timings().features_ms);
+  std::vector<keyframes::KeyframeMatch> inliers;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    if (pose.supported[i] >= 0) inliers.push_back(seen.match[i]);
+  }
+  if (inliers.empty()) return 1;
+  return static_cast<double>(keyframes::CountDistinct(
+             query.keyframe_features(map_->sift_kind()), *map_, inliers)) /
+         static_cast<double>(inliers.size());
 }
 
 }  // namespace treeline::localizer

@@ -3,6 +3,9 @@
 #ifndef SERVER_CORE_LOCALIZER_KEYFRAME_SOURCE_H_
 #define SERVER_CORE_LOCALIZER_KEYFRAME_SOURCE_H_
 
+#include <vector>
+
+#include "server/core/keyframes/keyframe_features.h"
 #include "server/core/keyframes/keyframe_map.h"
 #include "server/core/localizer/parameters.h"
 #include "server/core/localizer/pose_source.h"
@@ -17,10 +20,14 @@ enum class KeyframeChoice {
   kMostSimilar,  // those that share most features with the frame
 };
 
+struct KeyframeObservations : RayObservations {
+  std::vector<keyframes::KeyframeMatch> match;
+};
+
 // A PoseSource, of the colour camera's pose.
 class KeyframeSource {
  public:
-  using Observations = RayObservations;
+  using Observations = KeyframeObservations;
   static constexpr uint64_t kRansacStream = kKeyframeRansacStream;
   static constexpr int kMinSamples = kMinKeyframeMatches;
   static constexpr int kMinInliers = kMinKeyframeInliers;
@@ -33,17 +40,20 @@ class KeyframeSource {
 
   absl::StatusOr<size_t> Observe(Query& query,
                                  std::span<const Candidate> earlier,
-                                 RayObservations& seen) const;
-  pose::RaySolver Solver(Query& query, const RayObservations& seen) const;
+                                 KeyframeObservations& seen) const;
+  pose::RaySolver Solver(Query& query, const KeyframeObservations& seen) const;
   std::optional<pose::RefinedPose> Refine(
-      Query& query, const RayObservations& seen,
+      Query& query, const KeyframeObservations& seen,
       const geometry::Rigid3& world_from_camera) const;
   static double RobustScale(const Query& query) {
     return kKeyframeRobustScale_px * query.pixel();
   }
+  // See Candidate::distinct.
+  double DistinctShare(Query& query, const KeyframeObservations& seen,
+                       const pose::RefinedPose& pose) const;
   // Points are where the keyframes say, as seen from the pose.
   std::vector<Correspondence> Explain(
-      const RayObservations& seen,
+      const KeyframeObservations& seen,
       const std::optional<pose::RefinedPose>& pose) const {
     return MatchesOf(seen, pose);
   }

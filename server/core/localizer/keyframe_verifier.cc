@@ -20,6 +20,7 @@ forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
   evidence.overlap = aligned.overlap;
   evidence.measured = aligned.measured;
   evidence.depth_agreement = aligned.depth_agreement;
+  evidence.contradicted = aligned.contradicted;
   evidence.moved_m =
       geometry::Norm(aligned.world_from_camera.translation - from);
   return evidence;
@@ -98,6 +99,7 @@ Verdict KeyframeVerifier::Verify(Query& query,
                                   PositionSigma_m(verdict.covariance));
   verdict.evidence.inlier_ratio = candidate.inlier_ratio();
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
+  verdict.evidence.distinct = candidate.distinct;
   verdict.evidence.sigma_m = sigma_m;
   verdict.confidence = confidence_.Probability(verdict.evidence);
   if (ContradictsDepth(verdict.evidence)) {

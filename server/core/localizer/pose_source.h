@@ -68,6 +68,7 @@ std::vector<Correspondence> MatchesOf(
 //   Refine         Stage "refine".
 //   RobustScale    Of Refine (units of the ray), if kIsMatched.
 //   Explain        The correspondences.
+//   DistinctShare  See Candidate::distinct. May be left out.
 template <typename S>
 concept PoseSource = requires(const S& source, Query& query,
                               std::span<const Candidate> earlier,
@@ -120,6 +121,10 @@ class SourceGenerator final : public CandidateGenerator {
         candidate.focal =
             pose::EstimateFocal(seen.scene, candidate.pose->world_from_camera,
                                 Source::RobustScale(query));
+        if constexpr (requires { &Source::DistinctShare; }) {
+          candidate.distinct =
+              source_.DistinctShare(query, seen, *candidate.pose);
+        }
       }
     }
     if (query.options().keep_correspondences) {

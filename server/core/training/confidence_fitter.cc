@@ -222,18 +222,21 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
       1.0, fit.independent_trials /
                std::max<double>(1, static_cast<double>(trials.size())));
   std::vector<Vector> features;
+  std::vector<bool> is_right;
   for (const ConfidenceTrial& trial : trials) {
+    // Settled whatever the weights.
+    if (forest::MayBeElsewhere(trial.evidence)) continue;
+    is_right.push_back(trial.is_right);
     const forest::ConfidenceModel::Features f =
         forest::ConfidenceModel::FeaturesOf(trial.evidence);
     features.push_back(Eigen::Map<const Vector>(f.data()));
   }
   const auto loss = [&](const Vector& w) {
     double sum = 0.5 * (w - centre).cwiseAbs2().dot(precision);
-    for (size_t i = 0; i < trials.size(); ++i) {
+    for (size_t i = 0; i < features.size(); ++i) {
       const double z = w.dot(features[i]);
-      sum += weight *
-             (std::log1p(std::exp(-std::abs(z))) +
-              (trials[i].is_right ? std::max(-z, 0.0) : std::max(z, 0.0)));
+      sum += weight * (std::log1p(std::exp(-std::abs(z))) +
+                       (is_right[i] ? std::max(-z, 0.0) : std::max(z, 0.0)));
     }
     return sum;
   };
@@ -243,9 +246,9 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   for (int iteration = 0; iteration < 100; ++iteration) {
     Vector gradient = precision.cwiseProduct(weights - centre);
     Matrix hessian = precision.asDiagonal();
-    for (size_t i = 0; i < trials.size(); ++i) {
+    for (size_t i = 0; i < features.size(); ++i) {
       const double p = Sigmoid(weights.dot(features[i]));
-      gradient += weight * (p - (trials[i].is_right ? 1 : 0)) * features[i];
+      gradient += weight * (p - (is_right[i] ? 1 : 0)) * features[i];
       hessian += weight * p * (1 - p) * features[i] * features[i].transpose();
     }
     // A weight that rests on its bound and is pushed against it stays there.

@@ -123,17 +123,17 @@ std::string TrialsCsv(std::span<const training::ConfidenceTrial> trials) {
   std::string csv =
       "view,is_right,translation_error_m,rotation_error_rad,inlier_ratio,"
       "correlation,agreement,visible,overlap,measured,depth_agreement,moved_m,"
-      "matches,sigma_m\n";
+      "matches,sigma_m,contradicted,distinct\n";
   for (const training::ConfidenceTrial& trial : trials) {
     const forest::PoseEvidence& e = trial.evidence;
     absl::StrAppendFormat(&csv,
                           "%s,%d,%.5f,%.5f,%.5f,%.5f,%.5f,%d,%.5f,%d,%.5f,"
-                          "%.5f,%d,%.6f\n",
+                          "%.5f,%d,%.6f,%.5f,%.5f\n",
                           trial.view, trial.is_right ? 1 : 0,
                           trial.error.translation_m, trial.error.rotation_rad,
                           e.inlier_ratio, e.correlation, e.agreement, e.visible,
                           e.overlap, e.measured, e.depth_agreement, e.moved_m,
-                          e.matches, e.sigma_m);
+                          e.matches, e.sigma_m, e.contradicted, e.distinct);
   }
   return csv;
 }
