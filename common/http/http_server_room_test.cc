@@ -103,7 +103,9 @@ TEST_F(HttpServerRoom, ClientsThatDoNotReadMakeRoom) {
   const RawClient second(server_->address(), "127.0.0.2");
   first.Send("GET /large HTTP/1.1\r\n\r\n");
   second.Send("GET /large HTTP/1.1\r\n\r\n");
-  // Some time passes until they are written to.
+  EXPECT_THAT(first.ReadSome(), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(second.ReadSome(), StartsWith("HTTP/1.1 200"));
+  // Some time passes until the system takes no more for them.
   std::string answer;
   while (!absl::StartsWith(answer, "HTTP/1.1 200")) {
     answer = Exchange("GET / HTTP/1.1\r\nConnection: close\r\n\r\n");
