@@ -275,3 +275,30 @@ def untaken(setup, row):
             connection.close()
     row.require("MiB more", round(
         (server.status_kib("VmHWM") - before_kib) / 1024, 1), "<=", 384)
+
+
+@fault("held-calls", "forty addresses begin calls, as many as one may, and leave "
+                     "them at that: others are answered as before")
+def held_calls(setup, row):
+    setup.need("--flood-limit")
+    server = Server(setup, setup.models())
+    bench(setup, [server], "--duration", "0.5", "--no-reference")
+    before_kib = server.status_kib("VmRSS")
+    connections = [attack.Attack(server.address, attack.calls_without_end,
+                                 source=f"127.0.1.{i + 1}") for i in range(40)]
+    for connection in connections:
+        connection.send(900)
+    run = bench(setup, [server], "--rate", "10", "--duration",
+                setup.seconds(8, 3), "--no-reference")["runs"][0]
+    for connection in connections:
+        connection.send(1)
+    row.figure("calls begun", sum(c.index for c in connections))
+    row.figure("connections cut", sum(c.wait_cut(0.05) for c in connections))
+    row.figure("p99 (ms)",
+               run["latency_ms"]["p99"] if run["latency_ms"] else None)
+    row.require("others' lost calls", lost(run), "==", 0)
+    row.require("MiB more", round(
+        (server.status_kib("VmHWM") - before_kib) / 1024, 1), "<=", 256)
+    explain_losses(row, run)
+    for connection in connections:
+        connection.close()
