@@ -56,6 +56,7 @@ RUN scripts/build-bench-report --out /out/report || true
 # A user without rights, the same number in all images, so that they can share
 # volumes; and what runs as it.
 FROM ${DEBIAN} AS base
+COPY deploy/left-out-files /etc/dpkg/dpkg.cfg.d/treeline
 COPY deploy/http-ok deploy/install-packages /usr/local/bin/
 RUN groupadd --system --gid 10001 treeline && \
     useradd --system --uid 10001 --gid treeline --home-dir /nonexistent \

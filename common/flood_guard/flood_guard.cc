@@ -135,6 +135,19 @@ void FloodGuard::Close(const std::string& key) {
   if (found != addresses_.end()) --found->second.connections;
 }
 
+int64_t FloodGuard::OpenCallsOfOne(int64_t more) {
+  const base::MonotonicTime now = clock_.Now();
+  begun_ *= std::max(0.0, 1 - base::SecondsBetween(begun_at_, now));
+  begun_at_ = now;
+  const int64_t of_all = kAddressesOfAllCalls * limits_.open_calls;
+  if (open_calls_ + static_cast<int64_t>(begun_) + more <= of_all) {
+    return limits_.open_calls;
+  }
+  const auto share = of_all / static_cast<int64_t>(addresses_.size());
+  return std::clamp(share, std::min(kFewCalls, limits_.open_calls),
+                    limits_.open_calls);
+}
+
 bool FloodGuard::Draw(const std::string& key, absl::string_view peer,
                       const FrameCounts& counts) {
   if (counts == FrameCounts()) return true;
@@ -151,12 +164,13 @@ bool FloodGuard::Draw(const std::string& key, absl::string_view peer,
       reason = CutReason::kCalls;
     } else if (frames > address.frames) {
       reason = CutReason::kFrames;
-    } else if (counts.calls > 0 &&
-               address.open_calls + counts.calls > limits_.open_calls) {
+    } else if (counts.calls > 0 && address.open_calls + counts.calls >
+                                       OpenCallsOfOne(counts.calls)) {
       reason = CutReason::kOpenCalls;
     } else {
       address.calls -= calls;
       address.frames -= frames;
+      begun_ += calls;
     }
   }
   if (reason.has_value()) Cut(key, peer, *reason);
@@ -176,12 +190,15 @@ void FloodGuard::Cut(const std::string& key, absl::string_view peer,
 void FloodGuard::BeginCall(const std::string& key) {
   const absl::MutexLock lock(&mutex_);
   ++Find(key).open_calls;
+  ++open_calls_;
 }
 
 void FloodGuard::EndCall(const std::string& key) {
   const absl::MutexLock lock(&mutex_);
   const auto found = addresses_.find(key);
-  if (found != addresses_.end()) --found->second.open_calls;
+  if (found == addresses_.end()) return;
+  --found->second.open_calls;
+  --open_calls_;
 }
 
 std::string FloodGuard::Explain(CutReason reason) const {
@@ -195,7 +212,7 @@ std::string FloodGuard::Explain(CutReason reason) const {
                           " frames a second that carry nothing");
     case CutReason::kOpenCalls:
       return absl::StrCat("its address has more than ", limits_.open_calls,
-                          " calls open");
+                          " calls open, or more than its share of too many");
     case CutReason::kHeaderBlock:
       return "headers without end";
     case CutReason::kHandshake:

@@ -44,6 +44,11 @@ inline constexpr double kPayloadOfACall = 16 * 1024;
 // call.
 inline constexpr int kFramesOfACall = 10;
 
+// When all addresses together have more calls open than so many of them may,
+// each may have no more than its share of these, but kFewCalls at least.
+inline constexpr int kAddressesOfAllCalls = 2;
+inline constexpr int64_t kFewCalls = 16;
+
 // Why a connection was cut off, or not let in.
 enum class CutReason {
   kCalls,
@@ -111,6 +116,8 @@ class FloodGuard {
   // With buckets as they are now.
   Address& Find(const std::string& key) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Forget() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // How many calls an address may have open, when so many more begin somewhere.
+  int64_t OpenCallsOfOne(int64_t more) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Note(absl::string_view peer, CutReason reason)
       ABSL_LOCKS_EXCLUDED(mutex_);
   std::string Explain(CutReason reason) const;
@@ -123,6 +130,11 @@ class FloodGuard {
   absl::flat_hash_map<std::string, Address> addresses_ ABSL_GUARDED_BY(mutex_);
   // When there are so many, those that are as good as new are forgotten.
   size_t forget_at_ ABSL_GUARDED_BY(mutex_) = 1024;
+  // Of all addresses; and those that began within about a second, of which the
+  // service may not have heard yet.
+  int64_t open_calls_ ABSL_GUARDED_BY(mutex_) = 0;
+  double begun_ ABSL_GUARDED_BY(mutex_) = 0;
+  base::MonotonicTime begun_at_ ABSL_GUARDED_BY(mutex_);
   std::array<uint64_t, kCutReasons> cuts_ ABSL_GUARDED_BY(mutex_) = {};
   // Held while it reports.
   absl::Mutex report_mutex_;

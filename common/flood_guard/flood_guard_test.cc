@@ -42,6 +42,43 @@ class FloodGuardTest : public ::testing::Test {
       [this](const std::string& text) { reports_.push_back(text); }};
 };
 
+// 2 * 200 calls of all addresses together.
+TEST_F(FloodGuardTest, ManyAddressesShareWhatTwoMayHaveOpen) {
+  const auto open = [this](const std::string& address, int calls) {
+    if (!Calls(address, calls)) return false;
+    for (int i = 0; i < calls; ++i) guard_.BeginCall(address);
+    return true;
+  };
+  for (const char* address : {"a", "b", "c", "d"}) {
+    EXPECT_TRUE(open(address, 100)) << address;
+    Pass(2);
+  }
+  // A fifth of 400, but no more than 80.
+  EXPECT_FALSE(open("e", 81));
+  EXPECT_EQ(guard_.cuts(CutReason::kOpenCalls), 1u);
+  EXPECT_TRUE(open("e", 80));
+  EXPECT_FALSE(open("a", 1));
+  for (int i = 0; i < 100; ++i) guard_.EndCall("a");
+  for (int i = 0; i < 100; ++i) guard_.EndCall("b");
+  Pass(2);
+  EXPECT_TRUE(open("f", 100));
+}
+
+// The service need not have heard of calls that began a moment ago; and whoever
+// has few is let in, however many others have.
+TEST_F(FloodGuardTest, CallsCountForAllFromTheirBeginning) {
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(Calls(std::string(1, static_cast<char>('a' + i)), 100));
+  }
+  EXPECT_FALSE(Calls("e", 81));
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_TRUE(Calls("f" + std::to_string(i), 16));
+  }
+  EXPECT_FALSE(Calls("g", 17));
+  Pass(1);
+  EXPECT_TRUE(Calls("h", 100));
+}
+
 TEST_F(FloodGuardTest, ASecondsWorthOfCallsMayComeAtOnce) {
   EXPECT_TRUE(Calls("a", 40));
   EXPECT_TRUE(Calls("a", 60));

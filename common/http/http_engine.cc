@@ -17,6 +17,8 @@ constexpr std::chrono::milliseconds kLinger{1000};
 // limits.
 constexpr time_t kKeepAliveSeconds = 60;
 constexpr size_t kKeepAliveCount = 1'000'000;
+// Bodies of answers that are larger are counted.
+constexpr size_t kLargeAnswer = 16384;
 
 std::string PeerName(const std::string& ip, int port) {
   return absl::StrContains(ip, ':') ? absl::StrCat("ipv6:[", ip, "]:", port)
@@ -82,7 +84,8 @@ HttpEngine::HttpEngine(HttpHandler& handler, HttpStream& stream,
     : handler_(handler),
       stream_(stream),
       connection_(std::move(connection)),
-      clock_(clock) {
+      clock_(clock),
+      answer_lease_(connection_.answers) {
   set_keep_alive_timeout(kKeepAliveSeconds);
   set_keep_alive_max_count(kKeepAliveCount);
   set_payload_max_length(connection_.max_body_bytes);
@@ -135,6 +138,7 @@ bool HttpEngine::ServeOne(bool last) {
         // Answers are small: not worth the time of compressing them.
         request.headers.erase("Accept-Encoding");
       });
+  answer_lease_.Release();
   if (stream_.failure() == StreamFailure::kClosed) return false;
   if (close_) stream_.Linger(kLinger);
   return written && !close_ && !connection_closed && !last &&
@@ -209,6 +213,11 @@ void HttpEngine::Send(const HttpResponse& answer, httplib::Response& response) {
   } else if (answer.stream &&
              (request_.method == "GET" || request_.method == "POST")) {
     Stream(request_, answer);
+  } else if (answer.body.size() > kLargeAnswer &&
+             !answer_lease_.Resize(answer.body.size())) {
+    HttpResponse busy = handler_.Error(503);
+    busy.headers.emplace_back("Retry-After", "1");
+    Apply(request_, busy, response);
   } else {
     Apply(request_, answer, response);
   }

@@ -34,6 +34,8 @@ class HttpEngine final : private httplib::Server {
     bool only_probes = false;
     // What bodies are held by; nullptr: without a bound.
     base::ByteBudget* budget = nullptr;
+    // The same of large answers, until they are written.
+    base::ByteBudget* answers = nullptr;
     // Of a connection that is upgraded; see StreamDuplex.
     std::function<bool(bool idle)> mark_idle = {};
   };
@@ -61,7 +63,8 @@ class HttpEngine final : private httplib::Server {
 
   // Reads the body and has the handler answer; the body is let go again.
   HttpResponse AnswerToBody();
-  // Sends an answer, streamed where it goes on.
+  // Sends an answer, streamed where it goes on; 503 where there is no memory to
+  // hold it until it is taken.
   void Send(const HttpResponse& answer, httplib::Response& response);
   // Writes head and body of a response that goes on, and ends the connection.
   void Stream(const HttpRequest& request, const HttpResponse& response);
@@ -78,6 +81,7 @@ class HttpEngine final : private httplib::Server {
   const base::Clock& clock_;
   // Of the request at hand.
   RequestHead head_;
+  base::ByteLease answer_lease_;
   HttpRequest request_;
   bool is_head_checked_ = false;
   std::optional<HttpResponse> early_;

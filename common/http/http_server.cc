@@ -15,6 +15,7 @@
 #include <map>
 #include <system_error>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -37,6 +38,9 @@ constexpr absl::Duration kLastWords = absl::Seconds(1);
 constexpr int kAcceptPauseMs = 10;
 // Who asks how the server is has no more to say than that.
 constexpr std::chrono::milliseconds kProbeHeadTimeout{2000};
+// A connection that is younger, and has said nothing yet, is not idle: it has
+// just been made.
+constexpr double kFresh_s = 1;
 
 constexpr absl::string_view kBusy =
     "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\n"
@@ -204,12 +208,22 @@ class HttpServer::Impl {
   bool SetIdle(int64_t id, bool idle);
   // Joins threads that have ended.
   void Reap();
-  // Ends the connection that is missed least. Of `client` alone, if it is not
-  // null. False: there is none.
-  bool MakeRoom(const std::string* client)
+  // Connections that are to stay, by client.
+  using Crowds = std::map<std::string, int>;
+  // How well a connection can be missed: the least of these best.
+  enum class Kind { kIdle, kSlow, kOfACrowd, kFresh };
+  using Worth = std::tuple<Kind, double, double>;
+  // Ends the connection that is missed least. Of `client` alone, if `is_alone`;
+  // else also those of others. False: there is none.
+  bool MakeRoom(const std::string& client, bool is_alone)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  Crowds CountCrowds() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // nullopt: it stays. `lead`: how many connections more its client has than
+  // the one for whom room is made; nullopt: it is the same client.
+  std::optional<Worth> WorthOf(const Connection& connection,
+                               std::optional<int> lead) const;
   bool MakeRoomForProbe() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  static void End(Connection& connection);
+  static void End(Connection& connection, int how);
   // Wakes every read of the connections, or every write too.
   void ShutDown(bool idle_only, int how) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool AllEnded() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
@@ -307,12 +321,12 @@ void HttpServer::Impl::Admit(int fd, const sockaddr_storage& address) {
 
 HttpServer::Impl::Room HttpServer::Impl::FindRoom(const std::string& client) {
   bool is_full = open_ - open_for_probes_ >= options_.max_connections &&
-                 !MakeRoom(nullptr);
+                 !MakeRoom(client, /*is_alone=*/false);
   const auto of_client = open_of_client_.find(client);
   if (!is_full && options_.max_connections_per_client > 0 &&
       of_client != open_of_client_.end() &&
       of_client->second >= options_.max_connections_per_client) {
-    is_full = !MakeRoom(&client);
+    is_full = !MakeRoom(client, /*is_alone=*/true);
   }
   if (!is_full) return Room::kAll;
   if (options_.max_probe_connections == 0 ||
@@ -323,31 +337,64 @@ HttpServer::Impl::Room HttpServer::Impl::FindRoom(const std::string& client) {
   return Room::kProbesOnly;
 }
 
-bool HttpServer::Impl::MakeRoom(const std::string* client) {
-  const base::MonotonicTime now = clock_.Now();
-  Connection* oldest = nullptr;
-  Connection* slowest = nullptr;
-  double slowest_rate = options_.stream.min_body_bytes_per_s;
-  for (auto& [id, connection] : connections_) {
-    if (connection.fd < 0 || connection.is_leaving || connection.only_probes ||
-        (client != nullptr && connection.client != *client)) {
+HttpServer::Impl::Crowds HttpServer::Impl::CountCrowds() const {
+  Crowds crowds;
+  for (const auto& [id, connection] : connections_) {
+    if (connection.fd < 0 || connection.is_leaving || connection.only_probes) {
       continue;
     }
-    if (connection.idle) {
-      if (oldest == nullptr || connection.idle_since < oldest->idle_since) {
-        oldest = &connection;
-      }
-    } else if (connection.stream != nullptr) {
-      const auto rate = connection.stream->ArrivalRate(now);
-      if (rate.has_value() && *rate < slowest_rate) {
-        slowest = &connection;
-        slowest_rate = *rate;
-      }
+    ++crowds[connection.client];
+  }
+  return crowds;
+}
+
+std::optional<HttpServer::Impl::Worth> HttpServer::Impl::WorthOf(
+    const Connection& connection, std::optional<int> lead) const {
+  const base::MonotonicTime now = clock_.Now();
+  const double age_s = base::SecondsBetween(connection.idle_since, now);
+  if (connection.idle) {
+    const bool is_fresh =
+        connection.idle_since == connection.accepted && age_s < kFresh_s;
+    if (!is_fresh) return Worth(Kind::kIdle, -age_s, 0);
+    // Whoever makes many at once must not push out those of others.
+    if (lead.value_or(1) < 1) return std::nullopt;
+    return Worth(Kind::kFresh, -lead.value_or(0), -age_s);
+  }
+  if (connection.stream == nullptr) return std::nullopt;
+  const auto rate = connection.stream->ArrivalRate(now);
+  if (rate.has_value() && *rate < options_.stream.min_body_bytes_per_s) {
+    return Worth(Kind::kSlow, *rate, 0);
+  }
+  if (lead.value_or(0) > 1 && connection.stream->AwaitsClient()) {
+    return Worth(Kind::kOfACrowd, -*lead, -age_s);
+  }
+  return std::nullopt;
+}
+
+bool HttpServer::Impl::MakeRoom(const std::string& client, bool is_alone) {
+  Crowds crowds = CountCrowds();
+  const int of_newcomer = crowds[client];
+  Connection* least = nullptr;
+  Worth least_worth;
+  for (auto& [id, connection] : connections_) {
+    if (connection.fd < 0 || connection.is_leaving || connection.only_probes ||
+        (is_alone && connection.client != client)) {
+      continue;
+    }
+    std::optional<int> lead;
+    if (connection.client != client) {
+      lead = crowds[connection.client] - of_newcomer;
+    }
+    const auto worth = WorthOf(connection, lead);
+    if (worth.has_value() && (least == nullptr || *worth < least_worth)) {
+      least = &connection;
+      least_worth = *worth;
     }
   }
-  Connection* const least = oldest != nullptr ? oldest : slowest;
   if (least == nullptr) return false;
-  End(*least);
+  // Who does not read would keep what is written to it waiting.
+  End(*least,
+      std::get<Kind>(least_worth) == Kind::kOfACrowd ? SHUT_RDWR : SHUT_RD);
   return true;
 }
 
@@ -362,12 +409,12 @@ bool HttpServer::Impl::MakeRoomForProbe() {
     }
   }
   if (oldest == nullptr) return false;
-  End(*oldest);
+  End(*oldest, SHUT_RD);
   return true;
 }
 
-void HttpServer::Impl::End(Connection& connection) {
-  shutdown(connection.fd, SHUT_RD);
+void HttpServer::Impl::End(Connection& connection, int how) {
+  shutdown(connection.fd, how);
   // Not found again; its thread is about to end.
   connection.is_leaving = true;
 }
@@ -411,6 +458,7 @@ void HttpServer::Impl::ServeRequests(int64_t id, HttpStream& stream, int fd,
       .max_body_bytes = static_cast<size_t>(options_.max_body_mib) << 20,
       .only_probes = only_probes,
       .budget = options_.budget,
+      .answers = options_.answers,
       .mark_idle = [this, id](bool idle) { return SetIdle(id, idle); }};
   if (options_.tls.has_value() && options_.tls->client_names) {
     connection.certificate_names = options_.tls->client_names(stream.ssl());

@@ -44,8 +44,10 @@ struct HttpServerOptions {
   int max_body_mib = 32;
   // Connections at a time, each with a thread, 1..10000. At the limit the one
   // that has been idle longest makes room; if none is idle, the one whose
-  // request arrives slowest, below StreamLimits::min_body_bytes_per_s; if all
-  // are busy, the new one gets 503.
+  // request arrives slowest, below StreamLimits::min_body_bytes_per_s; if there
+  // is none, one that sends or takes something, of the address that has most of
+  // them, if that has more than the new one's would have. If all are busy, the
+  // new one gets 503.
   int max_connections = 256;
   // Of one address, or of one IPv6 network of 64 bits, in the same way; 0: no
   // limit of its own.
@@ -56,6 +58,8 @@ struct HttpServerOptions {
   // What the bodies of all requests are held by, while they arrive too;
   // nullptr: without a bound. Must outlive the server.
   base::ByteBudget* budget = nullptr;
+  // What large answers are held by until their clients have taken them.
+  base::ByteBudget* answers = nullptr;
   // For how long a connection may wait for its next request.
   std::chrono::milliseconds idle_timeout{60000};
   StreamLimits stream = {};

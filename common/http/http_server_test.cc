@@ -16,7 +16,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/notification.h"
 #include "common/base/byte_budget.h"
-#include "common/http/testing_raw_client.h"
+#include "common/http/testing_http_server.h"
 
 namespace treeline::http {
 namespace {
@@ -24,89 +24,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
-
-// Echoes bodies of POST; GET /wait waits until it may go on.
-class EchoHandler final : public HttpHandler {
- public:
-  std::optional<HttpResponse> CheckHead(const HttpRequest& request) override {
-    if (request.path == "/early") return HttpResponse{.status = 404};
-    return std::nullopt;
-  }
-  std::optional<HttpResponse> Admit(HttpRequest& request) override {
-    ++admitted;
-    if (request.path == "/denied") return HttpResponse{.status = 401};
-    request.client = "robot-7";
-    return std::nullopt;
-  }
-  bool IsProbe(const HttpRequest& request) const override {
-    return request.path == "/probe";
-  }
-  HttpResponse Handle(const HttpRequest& request) override {
-    ++handled;
-    if (request.path == "/client") {
-      return {.content_type = "text/plain",
-              .body = request.client.value_or("nobody")};
-    }
-    if (request.path == "/wait") {
-      waiting.Notify();
-      go_on.WaitForNotification();
-    }
-    if (request.path == "/stream") {
-      return {.content_type = "text/plain",
-              .stream = [this](HttpBodyWriter& writer) {
-                for (int i = 0; i < 3; ++i) {
-                  if (!writer.Write(absl::StrCat("part ", i, "\n"))) break;
-                }
-                while (endless && writer.Write(std::string(65536, 'x'))) {
-                }
-                streamed.Notify();
-              }};
-    }
-    if (request.path == "/throw") throw std::bad_alloc();
-    return {.content_type = "text/plain", .body = request.body};
-  }
-  HttpResponse Error(int status) override {
-    return {.status = status,
-            .content_type = "text/plain",
-            .body = absl::StrCat("error ", status)};
-  }
-  std::vector<std::pair<std::string, std::string>> CommonHeaders(
-      const HttpRequest& /*request*/) override {
-    return {{"X-Common", "yes"}};
-  }
-
-  std::atomic<int> admitted = 0;
-  std::atomic<int> handled = 0;
-  std::atomic<bool> endless = false;
-  absl::Notification streamed;
-  absl::Notification waiting;
-  absl::Notification go_on;
-};
-
-class HttpServerTest : public ::testing::Test {
- protected:
-  HttpServerTest() {
-    options_.listen = "127.0.0.1:0";
-    options_.max_body_mib = 1;
-  }
-
-  void Start() {
-    auto server = HttpServer::Start(options_, handler_, clock_);
-    ASSERT_TRUE(server.ok()) << server.status();
-    server_ = *std::move(server);
-  }
-  // Sends bytes and reads until the server closes.
-  std::string Exchange(absl::string_view bytes) const {
-    const RawClient client(server_->address());
-    EXPECT_TRUE(client.Send(bytes));
-    return client.ReadAll();
-  }
-
-  const base::SteadyClock clock_{};
-  HttpServerOptions options_;
-  EchoHandler handler_;
-  std::unique_ptr<HttpServer> server_;
-};
 
 TEST_F(HttpServerTest, KeepsConnectionsAlive) {
   Start();
@@ -401,89 +318,32 @@ TEST_F(HttpServerTest, ABodyThatTricklesIsATimeout) {
   EXPECT_EQ(handler_.handled, 0);
 }
 
-TEST_F(HttpServerTest, SlowRequestsMakeRoomForNewOnes) {
-  options_.max_connections = 2;
+// Not slow, but all of one address: 0 B/s would do.
+TEST_F(HttpServerTest, LargeAnswersForWhichThereIsNoMemoryAreRefused) {
+  base::ByteBudget answers(100000);
+  base::ByteLease others(&answers);
+  ASSERT_TRUE(others.Resize(99000));
+  options_.answers = &answers;
   Start();
-  const RawClient slow_body(server_->address());
-  slow_body.Send("POST / HTTP/1.1\r\nContent-Length: 1000000\r\n\r\nx");
-  const RawClient slow_head(server_->address());
-  slow_head.Send("GET / HTTP/1.1\r\nX: ");
-  // A second passes until it is known that they are slow.
-  std::string answer;
-  while (!absl::StartsWith(answer, "HTTP/1.1 200")) {
-    answer = Exchange("GET / HTTP/1.1\r\nConnection: close\r\n\r\n");
-  }
-  EXPECT_EQ(handler_.handled, 1);
-}
-
-TEST_F(HttpServerTest, ProbesAreAnsweredWhereAllConnectionsAreBusy) {
-  options_.max_connections = 1;
-  options_.max_probe_connections = 1;
-  Start();
-  const RawClient busy(server_->address());
-  busy.Send("GET /wait HTTP/1.1\r\nConnection: close\r\n\r\n");
-  handler_.waiting.WaitForNotification();
-  // Says nothing, and so makes room for who does.
-  const RawClient silent(server_->address());
-  for (int i = 0; i < 3; ++i) {
-    std::string answer;
-    while (!absl::StartsWith(answer, "HTTP/1.1 200")) {
-      answer = Exchange("GET /probe HTTP/1.1\r\n\r\n");
-    }
-  }
-  std::string answer;
-  while (answer.empty()) answer = Exchange("GET / HTTP/1.1\r\n\r\n");
+  const auto echo = [this](size_t size) {
+    return Exchange(absl::StrCat(
+        "POST / HTTP/1.1\r\nConnection: close\r\nContent-Length: ", size,
+        "\r\n\r\n", std::string(size, 'x')));
+  };
+  const std::string answer = echo(20000);
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
-  handler_.go_on.Notify();
-  EXPECT_THAT(busy.ReadAll(), StartsWith("HTTP/1.1 200"));
-}
-
-TEST_F(HttpServerTest, OneClientDoesNotGetAllConnections) {
-  options_.max_connections = 100;
-  options_.max_connections_per_client = 1;
-  Start();
-  const RawClient busy(server_->address());
-  busy.Send("GET /wait HTTP/1.1\r\nConnection: close\r\n\r\n");
-  handler_.waiting.WaitForNotification();
-  EXPECT_THAT(RawClient(server_->address()).ReadAll(),
-              StartsWith("HTTP/1.1 503"));
-  handler_.go_on.Notify();
-  EXPECT_THAT(busy.ReadAll(), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(answer, HasSubstr("Retry-After: 1"));
+  EXPECT_THAT(echo(16384), StartsWith("HTTP/1.1 200"));
+  others.Release();
+  EXPECT_THAT(echo(20000), StartsWith("HTTP/1.1 200"));
+  server_.reset();
+  EXPECT_EQ(answers.used_bytes(), 0u);
 }
 
 TEST_F(HttpServerTest, IdleConnectionsAreClosed) {
   options_.idle_timeout = std::chrono::milliseconds(20);
   Start();
   EXPECT_THAT(Exchange("GET / HTTP/1.1\r\n\r\n"), StartsWith("HTTP/1.1 200"));
-}
-
-TEST_F(HttpServerTest, IdleConnectionsMakeRoomForNewOnes) {
-  options_.max_connections = 1;
-  Start();
-  const RawClient first(server_->address());
-  first.Send("GET / HTTP/1.1\r\n\r\n");
-  ASSERT_THAT(first.ReadSome(), StartsWith("HTTP/1.1 200"));
-  // A thread that has just answered may not be idle yet.
-  std::string answer;
-  while (!absl::StartsWith(answer, "HTTP/1.1 200")) {
-    const RawClient second(server_->address());
-    second.Send("GET / HTTP/1.1\r\n\r\n");
-    answer = second.ReadSome();
-  }
-  EXPECT_THAT(first.ReadAll(), IsEmpty());
-}
-
-TEST_F(HttpServerTest, IsBusyWhenAllConnectionsAre) {
-  options_.max_connections = 1;
-  Start();
-  const RawClient busy(server_->address());
-  busy.Send("GET /wait HTTP/1.1\r\nConnection: close\r\n\r\n");
-  handler_.waiting.WaitForNotification();
-  const std::string answer = RawClient(server_->address()).ReadAll();
-  EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
-  EXPECT_THAT(answer, HasSubstr("Retry-After: 1"));
-  handler_.go_on.Notify();
-  EXPECT_THAT(busy.ReadAll(), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(HttpServerTest, StopLetsARequestInFlightFinish) {

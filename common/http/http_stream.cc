@@ -158,6 +158,11 @@ std::optional<double> HttpStream::ArrivalRate(base::MonotonicTime now) const {
          std::chrono::duration<double>(elapsed).count();
 }
 
+bool HttpStream::AwaitsClient() const {
+  const Phase phase = phase_;
+  return waits_ || phase == Phase::kHead || phase == Phase::kBody;
+}
+
 void HttpStream::Linger(std::chrono::milliseconds patience) {
   if (ssl_ != nullptr) SSL_shutdown(ssl_.get());
   shutdown(fd_, SHUT_WR);
@@ -333,8 +338,10 @@ bool HttpStream::Wait(short events) {
       return false;
     }
     pollfd polled{.fd = fd_, .events = events, .revents = 0};
+    waits_ = true;
     const int result = poll(
         &polled, 1, static_cast<int>(std::min<int64_t>(left.count(), INT_MAX)));
+    waits_ = false;
     if (result > 0) return true;
     if (result < 0 && errno != EINTR) return false;
   }

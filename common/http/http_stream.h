@@ -69,6 +69,10 @@ class HttpStream final : public httplib::Stream, public ByteSource {
   // is, or not for long enough to say. From any thread.
   std::optional<double> ArrivalRate(base::MonotonicTime now) const;
 
+  // Whether it is the client's turn: to send more of a request, or to take more
+  // of an answer. From any thread.
+  bool AwaitsClient() const;
+
   // What has arrived, without waiting: 0: nothing now; -1: see failure().
   ssize_t ReadAvailable(char* ptr, size_t size);
   // Whether ReadAvailable() has bytes that the system no longer has.
@@ -120,10 +124,11 @@ class HttpStream final : public httplib::Stream, public ByteSource {
   const UniqueSsl ssl_;
   const StreamLimits limits_;
   const base::Clock& clock_;
-  // These three are read by other threads.
+  // These four are read by other threads.
   std::atomic<Phase> phase_ = Phase::kResponse;
   std::atomic<base::MonotonicTime> phase_start_ = base::MonotonicTime();
   std::atomic<size_t> phase_bytes_ = 0;
+  std::atomic<bool> waits_ = false;
   // Of the whole phase, and of the read or write at hand.
   base::MonotonicTime phase_deadline_ = base::MonotonicTime::max();
   base::MonotonicTime deadline_ = base::MonotonicTime::max();

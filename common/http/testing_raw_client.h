@@ -19,8 +19,15 @@ namespace treeline::http {
 // A connection on which a test may say what it likes.
 class RawClient {
  public:
-  explicit RawClient(const std::string& address)
+  // `from`: its own address, of loopback; empty: 127.0.0.1.
+  explicit RawClient(const std::string& address, const std::string& from = "")
       : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    if (!from.empty()) {
+      sockaddr_in own{};
+      own.sin_family = AF_INET;
+      EXPECT_EQ(inet_pton(AF_INET, from.c_str(), &own.sin_addr), 1);
+      EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&own), sizeof(own)), 0);
+    }
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(

@@ -183,6 +183,7 @@ struct Application::Parts {
         tracing(std::move(used_tracing)),
         budget(kLargestRequestsHeld *
                (static_cast<uint64_t>(config.max_message_mib) << 20)),
+        answers(budget.total_bytes()),
         metrics(registry),
         call_log(server_log, used_clock),
         recent_queries(KeepRecentQueries(config)),
@@ -222,7 +223,9 @@ struct Application::Parts {
   const access::SystemWallClock wall_clock;
   // Null: there are no spans.
   const std::unique_ptr<tracing::Tracing> tracing;
+  // Of requests, and of large answers that are not taken yet.
   base::ByteBudget budget;
+  base::ByteBudget answers;
   metrics::Registry registry;
   ServiceMetrics metrics;
   CallLog call_log;
@@ -322,6 +325,7 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
 absl::Status Application::Parts::StartListeners(const ServerConfig& config) {
   service::GrpcServerOptions options = GrpcOptionsOf(config);
   options.budget = &budget;
+  options.answers = &answers;
   options.guard = flood_guard;
   if (certificates != nullptr) {
     options.credentials = access::MakeServerCredentials(*certificates);
@@ -350,6 +354,7 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   options.http.max_connections_per_client = kHttpConnectionsOfClient;
   options.http.max_probe_connections = kHttpConnectionsForProbes;
   options.http.budget = &budget;
+  options.http.answers = &answers;
   options.allowed_origins = config.cors_origin;
   TL_ASSIGN_OR_RETURN(options.ar_page_folder, ArPageFolder(config));
   if (http_tls != nullptr) {

@@ -24,6 +24,8 @@ struct CallSource {
   const base::Clock& clock;
   // What requests are held by; nullptr: without a bound.
   base::ByteBudget* budget = nullptr;
+  // What large answers are held by until their clients have taken them.
+  base::ByteBudget* answers = nullptr;
   bool admin_listener = false;
   CertificateNamesOf certificate_names = {};
 };

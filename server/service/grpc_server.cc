@@ -119,6 +119,7 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
       dispatcher,
       CallSource{.clock = clock,
                  .budget = options.budget,
+                 .answers = options.answers,
                  .admin_listener = is_admin,
                  .certificate_names = options.certificate_names},
       std::move(services));

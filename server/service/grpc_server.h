@@ -45,9 +45,11 @@ struct GrpcServerOptions {
   // What requests may hold together while they arrive, 1..1048576; 0: 4 of the
   // largest. Beyond it gRPC ends calls.
   int max_buffered_mib = 0;
-  // What requests are held by from then to their answers; nullptr: without a
-  // bound. Must outlive the server.
+  // What requests are held by from then to their answers, and large answers
+  // from then until their clients have taken them; nullptr: without a bound.
+  // Must outlive the server.
   base::ByteBudget* budget = nullptr;
+  base::ByteBudget* answers = nullptr;
   // After this a connection is asked to close, so that a balancer and new
   // replicas get their share; seconds, 1..1e6; 0: never. Calls on it finish;
   // streams have `connection_grace_s`.

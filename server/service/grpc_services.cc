@@ -13,8 +13,12 @@
 namespace treeline::service {
 namespace {
 
-// For a request to arrive whole, once its call has been let in.
-constexpr std::chrono::seconds kReadTimeout{60};
+// For a request to arrive whole, once its call has been let in; and for an
+// answer to be taken.
+constexpr std::chrono::seconds kTransferTimeout{60};
+// Answers that are larger are counted. Poses are far smaller: they are never
+// turned away for what others do not take.
+constexpr size_t kLargeAnswer = 16384;
 // A request for which there is no memory tries again so often, so many times.
 constexpr std::chrono::milliseconds kRetryPause{10};
 constexpr int kMaxRetries = 100;
@@ -35,7 +39,8 @@ class UnaryCall final
         method_(method),
         source_(source),
         timer_(timer),
-        lease_(source.budget) {}
+        lease_(source.budget),
+        answer_lease_(source.answers) {}
 
   // To be called once, on one that a shared_ptr owns.
   void Start(const char* rpc, Scope scope) {
@@ -47,18 +52,23 @@ class UnaryCall final
       return;
     }
     call_.client = client->id;
-    const std::weak_ptr<UnaryCall> weak = this->weak_from_this();
-    // On the timer's own clock.
-    timer_key_ =
-        timer_.Arm(std::chrono::steady_clock::now() + kReadTimeout, [weak] {
-          if (const auto self = weak.lock()) {
-            self->context_.TryCancel();
-          }
-        });
+    LimitTransfer();
     StartRead(&bytes_);
   }
 
  private:
+  // The call ends if what begins now takes too long.
+  void LimitTransfer() {
+    const std::weak_ptr<UnaryCall> weak = this->weak_from_this();
+    // On the timer's own clock.
+    timer_key_ =
+        timer_.Arm(std::chrono::steady_clock::now() + kTransferTimeout, [weak] {
+          if (const auto self = weak.lock()) {
+            self->context_.TryCancel();
+          }
+        });
+  }
+
   void OnReadDone(bool ok) override {
     timer_.Disarm(*timer_key_);
     if (!ok) {
@@ -95,12 +105,25 @@ class UnaryCall final
   }
 
   void Answer(const absl::StatusOr<Response>& response) {
-    const grpc::Status status = FinishStatus(response.status(), context_);
+    // A client that takes its time, or does not take its answer at all, holds
+    // no memory that others' requests need.
+    request_ = Request();
+    lease_.Release();
+    absl::Status answered = response.status();
+    if (answered.ok()) {
+      bytes_ = BytesOf(*response);
+      if (bytes_.Length() > kLargeAnswer &&
+          !answer_lease_.Resize(bytes_.Length())) {
+        bytes_.Clear();
+        answered = base::NoMemoryForRequest();
+      }
+    }
+    const grpc::Status status = FinishStatus(answered, context_);
     if (!status.ok()) {
       Finish(status);
       return;
     }
-    bytes_ = BytesOf(*response);
+    LimitTransfer();
     StartWriteAndFinish(&bytes_, grpc::WriteOptions(), status);
   }
 
@@ -108,6 +131,7 @@ class UnaryCall final
   // deadline passes.
   void OnCancel() override { stop_.request_stop(); }
   void OnDone() override {
+    if (timer_key_.has_value()) timer_.Disarm(*timer_key_);
     // Gone with the last that holds it, at the end of this at the earliest.
     const std::shared_ptr<UnaryCall> self = std::move(self_);
   }
@@ -125,6 +149,7 @@ class UnaryCall final
   // Of the request, then of the answer.
   grpc::ByteBuffer bytes_;
   base::ByteLease lease_;
+  base::ByteLease answer_lease_;
   Request request_;
 };
 

@@ -17,6 +17,7 @@ import tempfile
 import time
 
 import clients  # noqa: F401  (each of these registers its faults)
+import crowds  # noqa: F401
 import fleet  # noqa: F401
 import floods  # noqa: F401
 import load  # noqa: F401
