@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "absl/strings/str_format.h"
+#include "absl/strings/str_cat.h"
 
 namespace treeline::robot_ports {
 namespace {
@@ -30,6 +30,14 @@ int64_t Nanoseconds(base::MonotonicTime time) {
 
 base::MonotonicTime AtNanoseconds(int64_t time_ns) {
   return base::MonotonicTime(nanoseconds(time_ns));
+}
+
+// So rough that a clock that is wrong is told of once.
+const char* Roughly(int64_t duration_ns) {
+  constexpr int64_t kMinute_ns = 60'000'000'000;
+  if (duration_ns < kMinute_ns) return "more than 10 s";
+  if (duration_ns < 60 * kMinute_ns) return "minutes";
+  return duration_ns < 24 * 60 * kMinute_ns ? "hours" : "days";
 }
 
 }  // namespace
@@ -122,10 +130,9 @@ absl::Status RosTime::CheckStamp(const messages::Time& stamp) const {
   if (is_simulated_ && !clock_ns_.has_value()) return absl::OkStatus();
   const int64_t now_ns = Nanoseconds(NowLocked()) - Shift_ns();
   if (std::abs(stamp_ns - now_ns) <= kOtherClock_ns) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "its stamp is %.0f s %s: %s",
-      1e-9 * static_cast<double>(std::abs(stamp_ns - now_ns)),
-      stamp_ns < now_ns ? "old" : "ahead",
+  return absl::InvalidArgumentError(absl::StrCat(
+      "its stamp is ", Roughly(std::abs(stamp_ns - now_ns)),
+      stamp_ns < now_ns ? " old: " : " ahead: ",
       is_simulated_
           ? "whoever publishes it does not go by /clock (use_sim_time)"
           : "in a simulation, set use_sim_time; else set the clocks of both "
