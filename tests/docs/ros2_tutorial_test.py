@@ -37,6 +37,11 @@ class Tutorial(unittest.TestCase):
             self.assertTrue((folder / "flat" / "map.png").is_file())
             self.assertTrue((folder / "drive.mcap").read_bytes()
                             .startswith(b"\x89MCAP"))
+        for line in ("robot  .* is heard in domain " + DOMAIN,
+                     "laser: scan: ranges .* of 541 beams",
+                     r"odometry: odom .*\d Hz; 0 refused",
+                     "velocities: cmd_vel .*somebody listens"):
+            self.assertRegex(transcript, "(?m)^ok +" + line)
         self.assertEqual(len(re.findall("^there: ", transcript, re.M)), 2, told)
         self.assertRegex(transcript, "event=lost ")
         self.assertEqual(len(re.findall("event=resume text=.found after",

@@ -225,9 +225,10 @@ absl::Status RosRobot::SetClock(const messages::Clock& clock) {
 
 std::string RosRobot::WhyNothing(const std::string& topic,
                                  const core::DeviceHealth& health) const {
-  std::string cause(health.cause.message());
   // What came was no use.
-  if (health.corrupt > 0) return cause;
+  if (health.corrupt > 0) {
+    return absl::StrCat(topic, ": ", health.cause.message());
+  }
   const std::string nobody = WhyNobody(topic);
   return nobody.empty()
              ? absl::StrCat(topic, " is published, and nothing has come yet")
@@ -324,7 +325,7 @@ absl::StatusOr<std::string> RosRobot::FindCamera() {
   return "";
 }
 
-absl::StatusOr<std::string> RosRobot::FindOut() {
+absl::StatusOr<std::string> RosRobot::Missing() {
   if (!time_.is_running()) {
     const std::string nobody = WhyNobody(kClockTopic);
     return absl::StrCat("nothing comes on /clock, and use_sim_time is set",
@@ -349,7 +350,7 @@ absl::StatusOr<std::string> RosRobot::FindOut() {
 absl::Status RosRobot::WaitUntilKnown(const std::stop_token& stop) {
   base::MonotonicTime next_report = real_clock_.Now() + kFirstReport;
   while (!stop.stop_requested()) {
-    TL_ASSIGN_OR_RETURN(const std::string missing, FindOut());
+    TL_ASSIGN_OR_RETURN(const std::string missing, Missing());
     if (missing.empty()) return model_.Validate();
     if (real_clock_.Now() >= next_report) {
       next_report += kReport;

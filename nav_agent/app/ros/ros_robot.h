@@ -49,6 +49,9 @@ class RosRobot {
   // model() is whole afterwards. OK, too, when `stop` is requested.
   // FAILED_PRECONDITION: a laser is neither level nor upside down.
   absl::Status WaitUntilKnown(const std::stop_token& stop);
+  // What is missing now for that, and why; "": nothing. Errors likewise. Not to
+  // be called by two threads at once.
+  absl::StatusOr<std::string> Missing();
 
   const core::RobotModel& model() const { return model_; }
   core::RangeSensor& laser() { return laser_; }
@@ -93,8 +96,6 @@ class RosRobot {
   std::optional<geometry::Rigid3> Mount(
       const std::optional<geometry::Rigid3>& given,
       const std::string& frame_id) const;
-  // "": nothing is missing. What was found goes into model_.
-  absl::StatusOr<std::string> FindOut();
   absl::StatusOr<std::string> FindLaser(
       const std::string& topic, robot_ports::LaserPort& laser,
       const std::optional<geometry::Rigid3>& given,

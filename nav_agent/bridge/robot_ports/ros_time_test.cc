@@ -49,7 +49,8 @@ TEST(RosTimeTest, AStampOfAnotherClockSaysWhatToDo) {
   EXPECT_EQ(told(testing.time, now_s), "");
   EXPECT_EQ(told(testing.time, now_s - 9), "");
   EXPECT_EQ(told(testing.time, now_s + 20),
-            "its stamp is more than 10 s ahead: in a simulation, set use_sim_time; else "
+            "its stamp is more than 10 s ahead: in a simulation, set "
+            "use_sim_time; else "
             "set the clocks of both machines (chrony)");
   EXPECT_EQ(told(testing.time, 0),
             "its stamp is 0: whoever publishes it must stamp it");
