@@ -42,12 +42,14 @@ absl::StatusOr<McapReader> McapReader::Open(absl::string_view bytes) {
   return reader;
 }
 
+bool McapReader::is_closed() const {
+  return bytes_.size() >= kMagicBytes + kFooterBytes &&
+         bytes_.substr(bytes_.size() - kMagicBytes) ==
+             absl::string_view(kMagic, kMagicBytes);
+}
+
 bool McapReader::ReadSummary() {
-  if (bytes_.size() < kMagicBytes + kFooterBytes ||
-      bytes_.substr(bytes_.size() - kMagicBytes) !=
-          absl::string_view(kMagic, kMagicBytes)) {
-    return false;
-  }
+  if (!is_closed()) return false;
   Cursor footer = {.left = bytes_.substr(bytes_.size() - kFooterBytes)};
   Record record;
   if (!NextRecord(footer, record) || !Is(record.opcode, Opcode::kFooter)) {

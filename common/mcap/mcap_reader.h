@@ -60,6 +60,8 @@ class McapReader {
   const std::map<uint16_t, McapChannel>& channels() const { return channels_; }
   // The file was closed by its writer, and its summary is whole.
   bool has_summary() const { return has_summary_; }
+  // It ends as files do that their writer closed, with a summary or without.
+  bool is_closed() const;
   size_t chunks() const { return chunks_.size(); }
 
   // Hands over the messages with from_ns <= log time < to_ns, in the order of

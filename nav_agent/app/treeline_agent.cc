@@ -1,8 +1,11 @@
 // treeline-agent: the robot's half of Treeline.
+#include <cstdio>
+#include <string>
 #include <vector>
 
 #include "CLI/CLI.hpp"
 #include "nav_agent/app/bridge/bridge_command.h"
+#include "nav_agent/app/bridge/ros_arguments.h"
 #include "nav_agent/app/calibrate/calibrate_command.h"
 #include "nav_agent/app/dock/dock_command.h"
 #include "nav_agent/app/doctor/doctor_command.h"
@@ -52,7 +55,19 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
 }  // namespace treeline::agent_app
 
 int main(int argc, char** argv) {
+  constexpr int kUsage = 2;
+  absl::StatusOr<std::vector<std::string>> words =
+      treeline::bridge_app::WithoutRosArguments({argv, argv + argc});
+  if (!words.ok()) {
+    std::fprintf(stderr, "treeline-agent: %s\n",
+                 std::string(words.status().message()).c_str());
+    return kUsage;
+  }
+  std::vector<char*> arguments;
+  for (std::string& word : *words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   return treeline::cli::RunProgram(
       {"treeline-agent", treeline::agent_app::kDescription},
-      treeline::agent_app::AddCommands, argc, argv);
+      treeline::agent_app::AddCommands, static_cast<int>(words->size()),
+      arguments.data());
 }

@@ -13,6 +13,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/image/decode.h"
 #include "common/yaml/yaml_node.h"
 
 namespace treeline::core {
@@ -179,6 +180,26 @@ uint8_t ValueOf(uint16_t grey, const GreyPicture& picture,
                   (settings.occupied_threshold - settings.free_threshold)));
 }
 
+// PGM, or PNG by its first bytes.
+absl::StatusOr<GreyPicture> ParsePicture(absl::string_view bytes,
+                                         const std::string& name) {
+  if (image::SniffFormat(bytes) != image::ImageFormat::kPng) {
+    return ParsePgm(bytes, name);
+  }
+  const auto colors = image::DecodeColor(bytes);
+  if (!colors.ok()) return base::Annotate(colors.status(), name);
+  GreyPicture picture{.width = colors->width,
+                      .height = colors->height,
+                      .max_value = 255,
+                      .values = {}};
+  picture.values.reserve(colors->rgb.size() / 3);
+  for (size_t i = 0; i < colors->rgb.size(); i += 3) {
+    const int sum = colors->rgb[i] + colors->rgb[i + 1] + colors->rgb[i + 2];
+    picture.values.push_back(static_cast<uint16_t>((sum + 1) / 3));
+  }
+  return picture;
+}
+
 // A map's file, before anything is made of its pixels.
 struct MapPicture {
   MapSettings settings;
@@ -192,7 +213,7 @@ absl::StatusOr<MapPicture> ReadMapPicture(const std::string& path) {
   const std::filesystem::path image =
       std::filesystem::path(path).parent_path() / map.settings.image;
   TL_ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(image.string()));
-  TL_ASSIGN_OR_RETURN(map.picture, ParsePgm(bytes, image.string()));
+  TL_ASSIGN_OR_RETURN(map.picture, ParsePicture(bytes, image.string()));
   return map;
 }
 
@@ -203,7 +224,7 @@ absl::StatusOr<GreyPicture> ParsePgm(absl::string_view bytes,
   PgmWords words(bytes);
   const absl::string_view magic = words.Next();
   if (magic != "P5" && magic != "P2") {
-    return PgmError(name, "this is not a PGM picture (P5 or P2)");
+    return PgmError(name, "this is neither a PGM (P5 or P2) nor a PNG picture");
   }
   int64_t width = 0;
   int64_t height = 0;

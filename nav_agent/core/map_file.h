@@ -1,4 +1,4 @@
-// Maps as map_server keeps them: a YAML file beside a picture (PGM).
+// Maps as map_server keeps them: a YAML file beside a picture (PGM, PNG).
 #ifndef NAV_AGENT_CORE_MAP_FILE_H_
 #define NAV_AGENT_CORE_MAP_FILE_H_
 
@@ -33,8 +33,10 @@ std::string FormatPgm(const GreyPicture& picture);
 
 // Reads the map whose YAML file is at `path`: keys image, resolution, origin
 // [x, y, yaw], negate, occupied_thresh, free_thresh, and mode (trinary, scale
-// or raw; map_server's documentation). In mode scale what is neither occupied
-// nor free is unknown too. Errors name file and line.
+// or raw; map_server's documentation). The picture is PGM or PNG: of colours
+// the mean counts, as there; what is transparent does not count as unknown. In
+// mode scale what is neither occupied nor free is unknown too. Errors name file
+// and line.
 absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path);
 
 // What map_server makes of each pixel: the occupancy, 0 to 100, or nothing.

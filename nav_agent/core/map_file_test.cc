@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/file.h"
+#include "common/image/decode.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -78,6 +79,23 @@ TEST_F(MapFileTest, ThresholdsNegationAndModesAreMapServers) {
               testing::ElementsAre(kF, kO, kU, kU));
 }
 
+TEST_F(MapFileTest, PngIsReadAsPgmIs) {
+  const auto png = image::EncodePng(
+      {.width = 4,
+       .height = 1,
+       .rgb = {0, 0, 0, 100, 100, 100, 205, 205, 205, 253, 254, 255}});
+  ASSERT_TRUE(png.ok()) << png.status();
+  Write("m.png", *png);
+  const std::string path =
+      Write("png.yaml", "image: m.png\nresolution: 0.1\norigin: [1, 2, 0.5]\n");
+  const auto map = ReadMap(path);
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_EQ(map->cells, ReadMap(WriteMapWith(""))->cells);
+  Write("m.png", png->substr(0, 20));
+  EXPECT_THAT(std::string(ReadMap(path).status().message()),
+              HasSubstr("m.png"));
+}
+
 TEST_F(MapFileTest, SaysWhatIsWrong) {
   const auto error = [](const std::string& path) {
     return std::string(ReadMap(path).status().message());
@@ -100,7 +118,8 @@ TEST(ParsePgm, RefusesWhatIsBroken) {
   const auto error = [](absl::string_view bytes) {
     return std::string(ParsePgm(bytes, "p").status().message());
   };
-  EXPECT_EQ(error("P6 1 1 255 x"), "p: this is not a PGM picture (P5 or P2)");
+  EXPECT_EQ(error("P6 1 1 255 x"),
+            "p: this is neither a PGM (P5 or P2) nor a PNG picture");
   EXPECT_THAT(error("P5 0 1 255 "), HasSubstr("out of range"));
   EXPECT_THAT(error("P5 1000000 1000000 255 x"), HasSubstr("too short for"));
   EXPECT_THAT(error("P5 4 1 255\nab"), HasSubstr("ends after 2 of 4 bytes"));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -269,6 +270,12 @@ absl::StatusOr<MapBundleManifest> ReadMapBundleManifest(
           absl::StrCat(folder,
                        ": this map bundle is not complete, mapping was "
                        "interrupted; make it anew with `treeline-agent map`"));
+    }
+    if (absl::EndsWith(folder, ".yaml")) {
+      return absl::NotFoundError(absl::StrCat(
+          folder,
+          ": a map of map_server knows nothing of heights; wanted is the "
+          "folder that `treeline-agent map` makes, also of a recording"));
     }
     return absl::NotFoundError(absl::StrCat(
         folder, ": there is no map bundle; `treeline-agent map` makes one"));

@@ -20,6 +20,7 @@ constexpr size_t kNamedFaults = 5;
 
 std::string Listing(const bag::Bag& bag, const std::vector<int64_t>& counts) {
   std::string text;
+  if (bag.topics().empty()) return "  no topics at all\n";
   for (size_t i = 0; i < bag.topics().size(); ++i) {
     absl::StrAppend(&text, "  ", bag.topics()[i].name, ": ", counts[i], " of ",
                     bag.topics()[i].type, "\n");
@@ -121,6 +122,10 @@ absl::StatusOr<BagSurvey> SurveyBag(bag::Bag& bag) {
     }
     return absl::OkStatus();
   }));
+  if (!bag.is_closed()) {
+    survey.notes.emplace_back(
+        "the recording was not closed: its end is missing");
+  }
   return survey;
 }
 

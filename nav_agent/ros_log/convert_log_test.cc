@@ -329,6 +329,27 @@ TEST_F(ForeignBagTest, ATopicThatIsNotThereIsAnErrorAndLeavesNoFile) {
   EXPECT_FALSE(std::filesystem::exists(folder_.Path("b.tlog")));
 }
 
+TEST_F(ForeignBagTest, ARecordingThatBreaksOffSaysSo) {
+  bag::WriteMcapBag(Recording(), "", folder_.Path("walk.mcap"));
+  const auto bytes = base::ReadFile(folder_.Path("walk.mcap"));
+  ASSERT_TRUE(bytes.ok());
+  // Without its last chunk's end, with its first record alone.
+  const auto read = [this, &bytes](size_t size, const std::string& name) {
+    EXPECT_TRUE(
+        base::WriteNewFile(folder_.Path(name), bytes->substr(0, size)).ok());
+    return ConvertLog(folder_.Path(name), folder_.Path(name + ".tlog"), {});
+  };
+  const auto whole = read(bytes->size(), "whole.mcap");
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  EXPECT_THAT(whole->notes, Not(Contains(HasSubstr("was not closed"))));
+  const auto cut = read(bytes->size() - 20, "cut.mcap");
+  ASSERT_TRUE(cut.ok()) << cut.status();
+  EXPECT_THAT(cut->notes, Contains(HasSubstr("was not closed")));
+  EXPECT_EQ(cut->entries, whole->entries);
+  EXPECT_THAT(std::string(read(8, "head.mcap").status().message()),
+              HasSubstr("no topics at all"));
+}
+
 TEST_F(ForeignBagTest, AsATemporaryLogThatGoesAway) {
   bag::WriteMcapBag(Recording(), "", folder_.Path("walk.mcap"));
   std::string path;

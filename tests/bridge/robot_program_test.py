@@ -112,7 +112,7 @@ class Program:
 
 
 class Robot(Program):
-    """simulated_robot: orders go in, and its newest status is waited for."""
+    """treeline-emulator ros2: orders go in, and its newest status is waited for."""
 
     def status(self):
         """The newest there is, or else the next one."""
@@ -174,9 +174,11 @@ class RobotProgramTest(unittest.TestCase):
         return program
 
     def start_robot(self, camera_hz, *form):
-        return self.start(Robot, PROGRAMS.robot, self.domain,
-                          self.write("world.yaml", WORLD), PROGRAMS.pace,
-                          str(camera_hz), *form)
+        return self.start(Robot, PROGRAMS.robot, "ros2",
+                          "--domain-id", self.domain, "--interface", "lo",
+                          "--world", self.write("world.yaml", WORLD),
+                          "--pace", PROGRAMS.pace, "--seed", "5",
+                          "--camera-hz", str(camera_hz), *form)
 
     def map(self, robot, config):
         mapper = self.start(Program, PROGRAMS.agent, "map", "--live", "--ros2",
@@ -271,7 +273,7 @@ class RobotProgramTest(unittest.TestCase):
         self.arrives(robot, 1.2, 1.4)
 
     def test_it_is_mapped_driven_carried_away_and_found(self):
-        robot = self.start_robot(0, "plain")
+        robot = self.start_robot(0, "--plain")
         config = self.write("robot.yaml",
                             ROBOT.format(domain=self.domain, more=""))
         self.map(robot, config)
@@ -298,7 +300,7 @@ class RobotProgramTest(unittest.TestCase):
         self.assertEqual(numbers(last["cmd"]), [0, 0])
 
     def test_it_stands_when_it_does_not_hear_and_goes_on(self):
-        robot = self.start_robot(0, "plain")
+        robot = self.start_robot(0, "--plain")
         config = self.write(
             "robot.yaml", ROBOT.format(domain=self.domain,
                                        more="rmw: rmw_cyclonedds_cpp"))

@@ -54,6 +54,9 @@ class Bag {
   virtual ~Bag() = default;
   const std::vector<BagTopic>& topics() const { return topics_; }
 
+  // False: whoever recorded it did not close it, so that its end is missing.
+  virtual bool is_closed() const { return true; }
+
   // Hands over all messages, in about the order of time. DATA_LOSS for what is
   // broken, with its place in the file; what `take` returns, if it is an error.
   virtual absl::Status Read(const TakeMessage& take) = 0;

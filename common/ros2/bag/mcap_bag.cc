@@ -34,6 +34,8 @@ class McapBag final : public Bag {
     }
   }
 
+  bool is_closed() const override { return reader_.is_closed(); }
+
   absl::Status Read(const TakeMessage& take) override {
     absl::Status taken;
     const absl::Status status = reader_.Read(

@@ -56,6 +56,11 @@ class BagOfFiles final : public Bag {
     bags_.push_back(std::move(bag));
   }
 
+  bool is_closed() const override {
+    return std::ranges::all_of(
+        bags_, [](const auto& bag) { return bag->is_closed(); });
+  }
+
   absl::Status Read(const TakeMessage& take) override {
     for (size_t i = 0; i < bags_.size(); ++i) {
       TL_RETURN_IF_ERROR(bags_[i]->Read([&](const BagMessage& message) {

@@ -53,11 +53,37 @@ struct Layout {
   size_t green;
   size_t blue;
 };
-constexpr std::array<Layout, 5> kLayouts = {{{"rgb8", 3, 0, 1, 2},
+constexpr std::array<Layout, 6> kLayouts = {{{"rgb8", 3, 0, 1, 2},
                                              {"bgr8", 3, 2, 1, 0},
                                              {"rgba8", 4, 0, 1, 2},
                                              {"bgra8", 4, 2, 1, 0},
-                                             {"mono8", 1, 0, 0, 0}}};
+                                             {"mono8", 1, 0, 0, 0},
+                                             {"8UC1", 1, 0, 0, 0}}};
+
+// Where luminance and the two colour differences are in the four bytes of two
+// pixels (https://wiki.ros.org/sensor_msgs image_encodings.hpp).
+struct YuvLayout {
+  const char* encoding;
+  size_t y;  // of the first pixel; that of the second is two behind
+  size_t u;
+  size_t v;
+};
+constexpr std::array<YuvLayout, 4> kYuvLayouts = {{{"yuv422", 1, 0, 2},
+                                                   {"uyvy", 1, 0, 2},
+                                                   {"yuv422_yuy2", 0, 1, 3},
+                                                   {"yuyv", 0, 1, 3}}};
+
+uint8_t Level(double value) {
+  return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
+
+// Red, green and blue by ITU-R BT.601, whose black is 16 and whose white 235.
+void WriteRgb(uint8_t y, uint8_t u, uint8_t v, uint8_t* to) {
+  const double grey = 1.164 * (y - 16);
+  to[0] = Level(grey + 1.596 * (v - 128));
+  to[1] = Level(grey - 0.813 * (v - 128) - 0.391 * (u - 128));
+  to[2] = Level(grey + 2.018 * (u - 128));
+}
 
 template <typename T>
 T ValueAt(const uint8_t* at, bool is_swapped) {
@@ -189,14 +215,46 @@ absl::StatusOr<messages::CameraInfo> InfoOf(const camera::Camera& camera,
   }
 }
 
+namespace {
+
+absl::StatusOr<image::ColorImage> ColorOfYuv(const messages::Image& image,
+                                             const YuvLayout& layout) {
+  TL_RETURN_IF_ERROR(CheckRows(image, 2));
+  if (image.width % 2 != 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "picture: ", image.encoding, " of an odd width, ", image.width));
+  }
+  image::ColorImage made = {.width = static_cast<int>(image.width),
+                            .height = static_cast<int>(image.height),
+                            .rgb = {}};
+  made.rgb.resize(size_t{3} * image.width * image.height);
+  uint8_t* to = made.rgb.data();
+  for (size_t y = 0; y < image.height; ++y) {
+    const uint8_t* from = image.data.data() + y * image.step;
+    for (size_t x = 0; x < image.width; x += 2, from += 4, to += 6) {
+      WriteRgb(from[layout.y], from[layout.u], from[layout.v], to);
+      WriteRgb(from[layout.y + 2], from[layout.u], from[layout.v], to + 3);
+    }
+  }
+  return made;
+}
+
+}  // namespace
+
 absl::StatusOr<image::ColorImage> ColorOf(const messages::Image& image) {
+  const auto yuv = std::ranges::find_if(kYuvLayouts, [&](const auto& known) {
+    return image.encoding == known.encoding;
+  });
+  if (yuv != kYuvLayouts.end()) return ColorOfYuv(image, *yuv);
   const auto layout = std::ranges::find_if(kLayouts, [&](const Layout& known) {
     return image.encoding == known.encoding;
   });
   if (layout == kLayouts.end()) {
     return absl::InvalidArgumentError(
         absl::StrCat("picture: the encoding \"", image.encoding,
-                     "\" is not known; rgb8, bgr8, rgba8, bgra8, mono8 are"));
+                     "\" is not known; rgb8, bgr8, rgba8, bgra8, mono8, "
+                     "yuv422 and yuv422_yuy2 are. image_proc makes colours of "
+                     "Bayer patterns; or take /compressed"));
   }
   TL_RETURN_IF_ERROR(CheckRows(image, layout->bytes));
   image::ColorImage made = {.width = static_cast<int>(image.width),

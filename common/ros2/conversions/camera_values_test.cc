@@ -95,9 +95,32 @@ TEST(CameraValuesTest, ColourOfAllEncodings) {
   EXPECT_THAT(ColorOf(image)->rgb, ElementsAre(3, 2, 1, 6, 5, 4));
   image.encoding = "mono8";
   EXPECT_THAT(ColorOf(image)->rgb, ElementsAre(1, 1, 1, 4, 4, 4));
-  image.encoding = "yuv422";
+  image.encoding = "bayer_rggb8";
   EXPECT_THAT(std::string(ColorOf(image).status().message()),
-              HasSubstr("yuv422"));
+              HasSubstr("\"bayer_rggb8\" is not known; rgb8"));
+}
+
+TEST(CameraValuesTest, ColourOfHalvedColourDifferences) {
+  messages::Image image;
+  image.width = 2;
+  image.height = 2;
+  image.encoding = "yuv422_yuy2";
+  // Rows are longer than their pixels. Black and white; red (81, 90, 240).
+  image.step = 6;
+  image.data = {16, 128, 235, 128, 99, 99, 81, 90, 81, 240, 99, 99};
+  const auto made = ColorOf(image);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_THAT(made->rgb,
+              ElementsAre(0, 0, 0, 255, 255, 255, 254, 0, 0, 254, 0, 0));
+  for (size_t i = 0; i + 1 < image.data.size(); i += 2) {
+    std::swap(image.data[i], image.data[i + 1]);
+  }
+  image.encoding = "yuv422";
+  EXPECT_EQ(ColorOf(image)->rgb, made->rgb);
+  image.encoding = "uyvy";
+  EXPECT_EQ(ColorOf(image)->rgb, made->rgb);
+  image.width = 1;
+  EXPECT_FALSE(ColorOf(image).ok());
 }
 
 TEST(CameraValuesTest, PicturesThatLieAboutTheirSizeAreErrors) {

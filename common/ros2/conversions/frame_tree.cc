@@ -21,10 +21,12 @@ void FrameTree::Add(const messages::TFMessage& message) {
     const std::string child = NameOf(transform.child_frame_id);
     const std::string parent = NameOf(transform.header.frame_id);
     const auto parent_from_child = RigidOf(transform.transform);
-    if (child.empty() || parent.empty() || child == parent ||
-        !parent_from_child.ok()) {
+    if (!parent_from_child.ok()) {
+      fault_ = absl::StrCat(parent, " to ", child, ": ",
+                            parent_from_child.status().message());
       continue;
     }
+    if (child.empty() || parent.empty() || child == parent) continue;
     if (edge_of_child_.size() >= kMaxFrames &&
         edge_of_child_.count(child) == 0) {
       continue;
@@ -52,10 +54,10 @@ absl::StatusOr<geometry::Rigid3> FrameTree::Find(
   const Root of_target = RootOf(NameOf(target));
   const Root of_source = RootOf(NameOf(source));
   if (of_target.name.empty() || of_target.name != of_source.name) {
-    return absl::NotFoundError(
-        absl::StrCat("/tf and /tf_static do not tell where ", source, " is in ",
-                     target, ": the first hangs on \"", of_source.name,
-                     "\", the second on \"", of_target.name, "\""));
+    return absl::NotFoundError(absl::StrCat(
+        "/tf and /tf_static do not tell where ", source, " is in ", target,
+        ": the first hangs on \"", of_source.name, "\", the second on \"",
+        of_target.name, "\"", fault_.empty() ? "" : "; left out: ", fault_));
   }
   return of_target.root_from_frame.Inverse() * of_source.root_from_frame;
 }

@@ -15,12 +15,12 @@ namespace treeline::conversions {
 // use what has a stamp. Not thread-safe.
 class FrameTree {
  public:
-  // Transforms that are not finite, or that make a frame its own parent, are
-  // left out. Slashes in front of names (as in ROS 1) do not count.
+  // Transforms that are not finite or no rotation, or that make a frame its own
+  // parent, are left out. Slashes in front of names (as in ROS 1) do not count.
   void Add(const messages::TFMessage& message);
 
   // Takes points of `source` into `target`, through as many frames as it
-  // takes. NOT_FOUND says which frame is missing.
+  // takes. NOT_FOUND says which frame is missing, and what was left out.
   absl::StatusOr<geometry::Rigid3> Find(const std::string& target,
                                         const std::string& source) const;
 
@@ -37,6 +37,8 @@ class FrameTree {
   Root RootOf(const std::string& frame) const;
 
   std::map<std::string, Edge> edge_of_child_;
+  // The newest that was left out.
+  std::string fault_;
 };
 
 }  // namespace treeline::conversions

@@ -1,5 +1,6 @@
 #include "common/ros2/conversions/frame_tree.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -45,6 +46,16 @@ TEST(FrameTreeTest, WhatIsNotConnectedIsAnError) {
   tree.Add({.transforms = {Edge("odom", "base", {})}});
   EXPECT_EQ(tree.Find("base", "camera").status().code(),
             absl::StatusCode::kNotFound);
+}
+
+TEST(FrameTreeTest, AnErrorSaysWhatWasLeftOut) {
+  FrameTree tree;
+  messages::TransformStamped half = Edge("base", "laser", {});
+  half.transform.rotation = {.x = 0, .y = 0, .z = 0, .w = 0.5};
+  tree.Add({.transforms = {half}});
+  EXPECT_THAT(std::string(tree.Find("base", "laser").status().message()),
+              testing::HasSubstr("left out: base to laser: pose quaternion has "
+                                 "norm 0.5, not 1"));
 }
 
 TEST(FrameTreeTest, LoopsAndNumbersThatAreNoneAreNoDanger) {

@@ -236,14 +236,8 @@ absl::StatusOr<dds::NodeName> BridgeConfig::Node() const {
 
 absl::StatusOr<dds::DomainOptions> BridgeConfig::Domain(
     const char* ros_domain_id) const {
-  dds::DomainOptions domain = {.id = domain_id, .interface = interface};
-  if (domain_id >= 0) return domain;
-  domain.id = 0;
-  if (ros_domain_id != nullptr && *ros_domain_id != 0 &&
-      !absl::SimpleAtoi(ros_domain_id, &domain.id)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "ROS_DOMAIN_ID is \"", ros_domain_id, "\", which is no number"));
-  }
+  dds::DomainOptions domain = {.interface = interface};
+  TL_ASSIGN_OR_RETURN(domain.id, dds::DomainId(domain_id, ros_domain_id));
   return domain;
 }
 

@@ -11,6 +11,7 @@
 #include "common/ros2/conversions/geometry_values.h"
 #include "nav_agent/app/bridge/bridge_topics.h"
 #include "nav_agent/bridge/place_finder/place_report.h"
+#include "nav_agent/bridge/topic_inputs/topic_watch.h"
 
 namespace treeline::bridge_app {
 namespace {
@@ -34,12 +35,20 @@ void Loop(const BridgeConfig& config, BridgeTopics& topics,
           logging::ProgramLog& log, const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
   auto next_report = begin;
+  topic_inputs::TopicWatch watch(
+      {config.odom, config.image, config.CameraInfoTopic(), config.depth,
+       config.scan, config.map},
+      /*tells_nobody=*/true);
   auto last_need = place_finder::Need::kNone;
   while (!stop.stop_requested()) {
     for (const topic_inputs::TopicInputs::Fault& fault :
          topics.inputs().Deliver(kStep)) {
       log.Say(logging::LogLevel::kWarn,
               absl::StrCat(fault.topic, ": ", fault.why.message()));
+    }
+    for (const std::string& complaint :
+         watch.Look(topics.inputs(), std::chrono::steady_clock::now())) {
+      log.Say(logging::LogLevel::kWarn, complaint);
     }
     const place_finder::PlaceFinder::Output output = finder.Step(clock.Now());
     for (const std::string& event : output.events) {

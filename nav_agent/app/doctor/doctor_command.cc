@@ -21,6 +21,7 @@
 #include "common/config/effective_config.h"
 #include "nav_agent/app/calibrate/calibrate_run.h"
 #include "nav_agent/app/doctor/doctor.h"
+#include "nav_agent/app/doctor/doctor_ros2.h"
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "nav_agent/app/run/agent_config.h"
 #include "nav_agent/map_bundle/map_bundle.h"
@@ -29,14 +30,15 @@ namespace treeline::doctor_app {
 namespace {
 
 constexpr const char* kFooter = R"(
-Looks at what it is given: sensors and base with --hardware (the robot does not
-move), the map with --map, the server with --server, all of them with the
---config of `treeline-agent run`; at clock and disk always. Every line is ok,
-warn or fail, with what was found, and what to mend.
+Looks at what it is given: sensors and base with --hardware or --ros2 (the robot
+does not move), the map with --map, the server with --server, all of them with
+the --config of `treeline-agent run`; at clock and disk always. Every line is
+ok, warn or fail, with what was found, and what to mend.
 
 Examples:
   treeline-agent doctor --hardware robot.yaml --map house \
       --server reloc.local:50051
+  treeline-agent doctor --ros2 robot.yaml
   treeline-agent doctor --config agent.yaml --json
 
 Exit codes: 0 fit to drive (warnings included), 1 something fails, 2 wrong
@@ -45,6 +47,7 @@ usage.)";
 struct DoctorFlags {
   std::string config;
   std::string hardware;
+  std::string ros2;
   std::string drive;
   std::string map;
   std::string server;
@@ -229,6 +232,7 @@ absl::Status Examine(DoctorFlags flags, const std::stop_token& stop) {
                               {.file = flags.config}));
     config = run_app::AgentConfigTable().Make(effective);
     if (flags.hardware.empty()) flags.hardware = config.hardware;
+    if (flags.ros2.empty()) flags.ros2 = config.ros2;
     if (flags.map.empty()) flags.map = config.map;
     if (flags.server.empty()) flags.server = config.server;
     if (flags.scene.empty()) flags.scene = config.scene;
@@ -236,6 +240,9 @@ absl::Status Examine(DoctorFlags flags, const std::stop_token& stop) {
   if (!flags.hardware.empty()) {
     TL_RETURN_IF_ERROR(
         ExamineHardware(flags.hardware, flags.listen_s, stop, findings));
+  }
+  if (!flags.ros2.empty()) {
+    Append(ExamineRos2(flags.ros2, flags.listen_s, stop), findings);
   }
   if (!flags.drive.empty()) {
     TL_RETURN_IF_ERROR(
@@ -269,6 +276,10 @@ cli::Command AddDoctorCommand(CLI::App& app) {
   command
       ->add_option("--hardware", flags->hardware,
                    "The robot's devices and measures")
+      ->type_name("FILE");
+  command
+      ->add_option("--ros2", flags->ros2,
+                   "A robot that speaks ROS 2 (docs/reference/ros2-robot.md)")
       ->type_name("FILE");
   command
       ->add_option("--drive", flags->drive,

@@ -118,15 +118,20 @@ class DriveBuilder {
               0.5 * drive_.laser.beam_interval_s * (drive_.laser.beams - 1));
     const auto after =
         std::ranges::lower_bound(samples_, middle, {}, &OdometrySample::stamp);
-    if (after == samples_.begin() || after == samples_.end() ||
-        base::SecondsBetween((after - 1)->stamp, after->stamp) >
-            options_.max_gap_s) {
+    // Where wheels were read in that moment, no matter when before: logs of
+    // people who wrote both together are few a minute.
+    const bool is_exact = after != samples_.end() && after->stamp == middle;
+    if (!is_exact && (after == samples_.begin() || after == samples_.end() ||
+                      base::SecondsBetween((after - 1)->stamp, after->stamp) >
+                          options_.max_gap_s)) {
       ++drive_.refused_scans;
       return;
     }
-    const OdometrySample& before = *(after - 1);
-    const double t = base::SecondsBetween(before.stamp, middle) /
-                     base::SecondsBetween(before.stamp, after->stamp);
+    const OdometrySample& before = is_exact ? *after : *(after - 1);
+    const double t = is_exact
+                         ? 0
+                         : base::SecondsBetween(before.stamp, middle) /
+                               base::SecondsBetween(before.stamp, after->stamp);
     drive_.scans.push_back(
         {.stamp = recording::RecordingTime(
              std::chrono::duration_cast<std::chrono::nanoseconds>(

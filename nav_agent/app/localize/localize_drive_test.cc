@@ -86,6 +86,24 @@ TEST(ReadDrive, PutsScansWhereOdometryAndTruthWere) {
   EXPECT_NEAR(drive->scans[1].world_from_base->translation.x, 5.118, 1e-6);
 }
 
+TEST(ReadDrive, ScansAndWheelsOfOneMomentNeedNothingBetween) {
+  core::RangeSensorInfo laser = Laser();
+  laser.beam_interval_s = 0;
+  std::string records = recording::EncodeLogRecord(laser);
+  for (int ms = 0; ms <= 30'000; ms += 3'000) {
+    records += recording::EncodeLogRecord(ReadingAt(ms));
+    records += recording::EncodeLogRecord(ScanAt(ms));
+  }
+  // Of a moment in which nobody read the wheels.
+  records += recording::EncodeLogRecord(ScanAt(31'000));
+  records += recording::EncodeLogRecord(ReadingAt(33'000));
+  const LogFile file(records);
+  const auto drive = ReadDrive(file.path());
+  ASSERT_TRUE(drive.ok()) << drive.status();
+  EXPECT_EQ(drive->scans.size(), 11u);
+  EXPECT_EQ(drive->refused_scans, 1);
+}
+
 TEST(ReadDrive, CountsWhatItLeavesOut) {
   std::string records = recording::EncodeLogRecord(Laser());
   for (int ms = 0; ms <= 1000; ms += 10) {

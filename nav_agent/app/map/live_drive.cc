@@ -95,6 +95,10 @@ class RosDrive final : public Drive {
                                   std::fprintf(stderr, "%s\n", line.c_str());
                                 }));
     TL_RETURN_IF_ERROR(drive->robot_->WaitUntilKnown(stop));
+    if (stop.stop_requested()) {
+      return absl::CancelledError(
+          "nothing was recorded: it was ended before the robot was known");
+    }
     drive->end_ = options.seconds > 0
                       ? drive->robot_->time().Now() +
                             simulator::FromSeconds(options.seconds)

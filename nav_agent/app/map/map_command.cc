@@ -1,6 +1,7 @@
 #include "nav_agent/app/map/map_command.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -27,9 +28,10 @@ namespace {
 constexpr const char* kFooter = R"(
 Logs: agent logs of this program (docs/reference/agent-log.md), JSON as of the
 Intel Research Lab, CARMEN, recordings of ROS (.mcap, .db3, .bag, the folder of
-`ros2 bag record`; other topics than /scan and /odom: `log convert`). A log with RGB-D frames gives a map in space and
-keyframes to train on; a laser alone gives a plan. With --rgbd a camera alone
-makes the map; its floor, or the largest level surface, says where up is.
+`ros2 bag record`; other topics than /scan and /odom: `log convert`). A log with
+RGB-D frames gives a map in space and keyframes to train on; a laser alone gives
+a plan. With --rgbd a camera alone makes the map; its floor, or the largest
+level surface, says where up is.
 
 With --live the drive is recorded, and mapped when it ends; BUNDLE/live.png shows
 it meanwhile. The robot is pushed, or driven by its own remote control. Killed,
@@ -260,11 +262,17 @@ absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
     flags.correction.sensors = file.robot.correction;
     flags.noise = file.robot.noise;
   }
+  LiveMapOptions& live = flags.live.map;
+  if (live.log_path.empty()) live.log_path = flags.map.folder + "/drive.tlog";
+  if (std::filesystem::exists(live.log_path)) {
+    return absl::AlreadyExistsError(absl::StrCat(
+        live.log_path,
+        " is there already, the recording of a drive: make its map with "
+        "--log, or name another file with --record, or move it away"));
+  }
   TL_RETURN_IF_ERROR(
       map_bundle::BeginMapBundle(flags.map.folder, flags.map.overwrite));
-  LiveMapOptions& live = flags.live.map;
   SetOdometryNoise(flags.odometry_noise, flags.noise, live.drive);
-  if (live.log_path.empty()) live.log_path = flags.map.folder + "/drive.tlog";
   live.picture_path = flags.map.folder + "/live.png";
   live.drive.slam.loops.enabled = !flags.no_loops;
   flags.live.seed = flags.map.seed;

@@ -12,6 +12,7 @@
 #include "common/base/status_macros.h"
 #include "common/ros2/messages/message_codec.h"
 #include "nav_agent/app/bridge/bridge_config.h"
+#include "nav_agent/bridge/topic_inputs/topic_watch.h"
 
 namespace treeline::ros_app {
 namespace {
@@ -19,11 +20,14 @@ namespace {
 // A command that is too old is ended after so long at the latest.
 constexpr auto kStep = std::chrono::milliseconds(20);
 constexpr auto kLookUp = std::chrono::milliseconds(50);
+constexpr auto kFirstReport = std::chrono::seconds(2);
 constexpr auto kReport = std::chrono::seconds(5);
 // A laser's axis may lean so far from the vertical; what its planes then show
 // at some metres is the navigator's matter.
 constexpr double kUpright = 0.95;
 
+constexpr char kClockTopic[] = "/clock";
+constexpr char kFramesTopic[] = "/tf_static";
 constexpr dds::Quality kClock = {
     .is_reliable = false, .is_latched = false, .depth = 1};
 constexpr dds::Quality kStaticTransforms = {
@@ -118,6 +122,7 @@ absl::Status RosRobot::AdvertiseBase(bool drives) {
                                              : messages::Twist::kName,
                                          kCommands));
     wire.listeners = [this] { return cmd_vel_->matched(); };
+    wire.why_nobody = [this] { return cmd_vel_->WhyNobody(); };
     wire.send = [this](const core::VelocityCommand& command) {
       return Send(command);
     };
@@ -144,13 +149,11 @@ absl::Status RosRobot::Subscribe() {
   // what it saw.
   if (config_.use_sim_time) {
     TL_RETURN_IF_ERROR(inputs_->Subscribe<messages::Clock>(
-        "/clock", kClock, [this](const messages::Clock& clock) {
-          time_.Set(clock);
-          return absl::OkStatus();
-        }));
+        kClockTopic, kClock,
+        [this](const messages::Clock& clock) { return SetClock(clock); }));
   }
   TL_RETURN_IF_ERROR(inputs_->Subscribe<messages::TFMessage>(
-      "/tf_static", kStaticTransforms,
+      kFramesTopic, kStaticTransforms,
       [this](const messages::TFMessage& message) {
         const absl::MutexLock frames_lock(&mutex_);
         frames_.Add(message);
@@ -206,6 +209,48 @@ absl::Status RosRobot::SubscribeCamera() {
   });
 }
 
+absl::Status RosRobot::SetClock(const messages::Clock& clock) {
+  // The thread that hands over holds inputs_mutex_.
+  inputs_mutex_.AssertHeld();
+  const int publishers = inputs_->publishers(kClockTopic);
+  if (publishers > 1) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(publishers,
+                     " programs tell the time: it stands still until one is "
+                     "left"));
+  }
+  time_.Set(clock);
+  return absl::OkStatus();
+}
+
+std::string RosRobot::WhyNothing(const std::string& topic,
+                                 const core::DeviceHealth& health) const {
+  // What came was no use.
+  if (health.corrupt > 0) {
+    return absl::StrCat(topic, ": ", health.cause.message());
+  }
+  const std::string nobody = WhyNobody(topic);
+  return nobody.empty()
+             ? absl::StrCat(topic, " is published, and nothing has come yet")
+             : nobody;
+}
+
+std::string RosRobot::WhyNobody(const std::string& topic) const {
+  const absl::MutexLock lock(&inputs_mutex_);
+  return inputs_->WhyNobody(topic);
+}
+
+std::string RosRobot::WhyNoMount(const std::string& frame) const {
+  const std::string nobody = WhyNobody(kFramesTopic);
+  if (!nobody.empty()) {
+    return absl::StrCat(kFramesTopic, " does not tell where ", frame,
+                        " is from ", config_.base_frame, ": ", nobody);
+  }
+  const absl::MutexLock lock(&mutex_);
+  return std::string(
+      frames_.Find(config_.base_frame, frame).status().message());
+}
+
 absl::Status RosRobot::AddOdometry(const messages::Odometry& message) {
   const std::string child = NameOf(message.child_frame_id);
   if (!child_from_base_.has_value()) {
@@ -215,14 +260,14 @@ absl::Status RosRobot::AddOdometry(const messages::Odometry& message) {
       const absl::MutexLock lock(&mutex_);
       const auto found = frames_.Find(child, config_.base_frame);
       if (!found.ok()) {
-        return absl::InvalidArgumentError(
+        return odometry_.Refuse(absl::InvalidArgumentError(
             absl::StrCat("odometry is of the frame ", child,
                          ", and /tf_static does not "
                          "tell where ",
                          config_.base_frame,
                          " is from there: set base_frame "
                          "to ",
-                         child, " if that is on the ground"));
+                         child, " if that is on the ground")));
       }
       child_from_base_ = *found;
     }
@@ -242,16 +287,14 @@ std::optional<geometry::Rigid3> RosRobot::Mount(
 }
 
 absl::StatusOr<std::string> RosRobot::FindLaser(
-    robot_ports::LaserPort& laser, const std::optional<geometry::Rigid3>& given,
+    const std::string& topic, robot_ports::LaserPort& laser,
+    const std::optional<geometry::Rigid3>& given,
     geometry::Rigid3& base_from_laser) {
   const core::DeviceHealth health = laser.Health();
-  if (health.received == 0) return std::string(health.cause.message());
+  if (health.received == 0) return WhyNothing(topic, health);
   const std::string frame = laser.frame_id();
   const std::optional<geometry::Rigid3> mount = Mount(given, frame);
-  if (!mount.has_value()) {
-    return absl::StrCat("/tf_static does not tell where ", frame, " is from ",
-                        config_.base_frame);
-  }
+  if (!mount.has_value()) return WhyNoMount(frame);
   base_from_laser = *mount;
   const double up = (mount->rotation * geometry::Vec3{0, 0, 1}).z;
   if (std::abs(up) < kUpright) {
@@ -272,34 +315,31 @@ absl::StatusOr<std::string> RosRobot::FindLaser(
 
 absl::StatusOr<std::string> RosRobot::FindCamera() {
   const core::DeviceHealth health = camera_.Health();
-  if (health.received == 0) return std::string(health.cause.message());
-  if (!camera_.has_info()) {
-    return absl::StrCat("nothing usable has come on ", config_.camera_info);
-  }
+  if (health.received == 0) return WhyNothing(config_.image, health);
+  if (!camera_.has_info()) return WhyNothing(config_.camera_info, health);
   const std::string frame = camera_.frame_id();
   const std::optional<geometry::Rigid3> mount =
       Mount(config_.base_from_camera, frame);
-  if (!mount.has_value()) {
-    return absl::StrCat("/tf_static does not tell where ", frame, " is from ",
-                        config_.base_frame);
-  }
+  if (!mount.has_value()) return WhyNoMount(frame);
   model_.base_from_camera = *mount;
   return "";
 }
 
-absl::StatusOr<std::string> RosRobot::FindOut() {
+absl::StatusOr<std::string> RosRobot::Missing() {
   if (!time_.is_running()) {
-    return "nothing comes on /clock, and use_sim_time is set";
+    const std::string nobody = WhyNobody(kClockTopic);
+    return absl::StrCat("nothing comes on /clock, and use_sim_time is set",
+                        nobody.empty() ? "" : ": ", nobody);
   }
   const core::DeviceHealth odometry = odometry_.Health();
-  if (odometry.received == 0) return std::string(odometry.cause.message());
-  TL_ASSIGN_OR_RETURN(
-      std::string missing,
-      FindLaser(laser_, config_.base_from_laser, model_.base_from_laser));
+  if (odometry.received == 0) return WhyNothing(config_.odom, odometry);
+  TL_ASSIGN_OR_RETURN(std::string missing,
+                      FindLaser(config_.scan, laser_, config_.base_from_laser,
+                                model_.base_from_laser));
   if (missing.empty() && !config_.rear_scan.empty()) {
-    TL_ASSIGN_OR_RETURN(missing,
-                        FindLaser(rear_laser_, config_.base_from_rear_laser,
-                                  model_.base_from_rear_laser));
+    TL_ASSIGN_OR_RETURN(missing, FindLaser(config_.rear_scan, rear_laser_,
+                                           config_.base_from_rear_laser,
+                                           model_.base_from_rear_laser));
   }
   if (missing.empty() && !config_.image.empty()) {
     TL_ASSIGN_OR_RETURN(missing, FindCamera());
@@ -308,9 +348,9 @@ absl::StatusOr<std::string> RosRobot::FindOut() {
 }
 
 absl::Status RosRobot::WaitUntilKnown(const std::stop_token& stop) {
-  base::MonotonicTime next_report = real_clock_.Now() + kReport;
+  base::MonotonicTime next_report = real_clock_.Now() + kFirstReport;
   while (!stop.stop_requested()) {
-    TL_ASSIGN_OR_RETURN(const std::string missing, FindOut());
+    TL_ASSIGN_OR_RETURN(const std::string missing, Missing());
     if (missing.empty()) return model_.Validate();
     if (real_clock_.Now() >= next_report) {
       next_report += kReport;
@@ -322,12 +362,17 @@ absl::Status RosRobot::WaitUntilKnown(const std::stop_token& stop) {
 }
 
 void RosRobot::Listen(const std::stop_token& stop) {
+  topic_inputs::TopicWatch watch({kClockTopic, config_.odom, config_.scan,
+                                  config_.rear_scan, config_.image},
+                                 /*tells_nobody=*/false);
   while (!stop.stop_requested()) {
     std::vector<topic_inputs::TopicInputs::Fault> faults;
+    std::vector<std::string> complaints;
     agent_report::TopicFacts facts;
     {
       const absl::MutexLock lock(&inputs_mutex_);
       faults = inputs_->Deliver(kStep);
+      complaints = watch.Look(*inputs_, real_clock_.Now());
       facts.delivered = inputs_->delivered();
       facts.refused = inputs_->refused();
     }
@@ -339,6 +384,7 @@ void RosRobot::Listen(const std::stop_token& stop) {
       facts_.delivered = facts.delivered;
       facts_.refused = facts.refused;
     }
+    for (const std::string& complaint : complaints) warn_(complaint);
     for (const topic_inputs::TopicInputs::Fault& fault : faults) {
       warn_(absl::StrCat(fault.topic, ": ", fault.why.message(), " (",
                          fault.refused, " refused)"));

@@ -49,6 +49,9 @@ class RosRobot {
   // model() is whole afterwards. OK, too, when `stop` is requested.
   // FAILED_PRECONDITION: a laser is neither level nor upside down.
   absl::Status WaitUntilKnown(const std::stop_token& stop);
+  // What is missing now for that, and why; "": nothing. Errors likewise. Not to
+  // be called by two threads at once.
+  absl::StatusOr<std::string> Missing();
 
   const core::RobotModel& model() const { return model_; }
   core::RangeSensor& laser() { return laser_; }
@@ -81,15 +84,20 @@ class RosRobot {
   absl::Status SubscribeCamera();
   absl::Status AdvertiseBase(bool drives);
   absl::Status Send(const core::VelocityCommand& command);
+  absl::Status SetClock(const messages::Clock& clock);
   absl::Status AddOdometry(const messages::Odometry& message);
+  // Why nothing of use has come from a device, why nobody publishes `topic`
+  // ("": somebody does), and why it is not known where a sensor is.
+  std::string WhyNothing(const std::string& topic,
+                         const core::DeviceHealth& health) const;
+  std::string WhyNobody(const std::string& topic) const;
+  std::string WhyNoMount(const std::string& frame) const;
   // nullopt: not known yet.
   std::optional<geometry::Rigid3> Mount(
       const std::optional<geometry::Rigid3>& given,
       const std::string& frame_id) const;
-  // "": nothing is missing. What was found goes into model_.
-  absl::StatusOr<std::string> FindOut();
   absl::StatusOr<std::string> FindLaser(
-      robot_ports::LaserPort& laser,
+      const std::string& topic, robot_ports::LaserPort& laser,
       const std::optional<geometry::Rigid3>& given,
       geometry::Rigid3& base_from_laser);
   absl::StatusOr<std::string> FindCamera();

@@ -36,8 +36,19 @@ absl::StatusOr<core::RangeSensorInfo> SensorInfoOf(
                        std::isfinite(info.angle_min_rad) &&
                        std::isfinite(info.angle_increment_rad) &&
                        info.angle_increment_rad != 0 && info.range_min_m >= 0 &&
+                       std::isfinite(info.range_max_m) &&
                        info.range_max_m > info.range_min_m &&
                        info.beam_interval_s >= 0 && info.beam_interval_s < 1;
+  // Whoever goes by angle_max would see the mirror image.
+  const double span_rad =
+      static_cast<double>(scan.angle_max) - info.angle_min_rad;
+  if (is_good && std::abs(span_rad) > std::abs(info.angle_increment_rad) &&
+      (span_rad > 0) != (info.angle_increment_rad > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "scan from angle_min ", scan.angle_min, " to angle_max ",
+        scan.angle_max, " rad by angle_increment ", scan.angle_increment,
+        ": which way do its beams run? Its driver must make them agree"));
+  }
   if (is_good) return info;
   return absl::InvalidArgumentError(
       absl::StrCat("scan of ", info.beams, " beams from ", scan.angle_min,

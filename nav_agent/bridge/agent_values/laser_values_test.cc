@@ -1,5 +1,6 @@
 #include "nav_agent/bridge/agent_values/laser_values.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +59,31 @@ TEST(LaserValuesTest, WhatIsNoLaserIsAnError) {
   scan.range_max = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(SensorInfoOf(scan).ok());
   scan = Scan();
+  scan.range_max = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(SensorInfoOf(scan).ok());
+  scan = Scan();
+  scan.range_max = 0;
+  EXPECT_FALSE(SensorInfoOf(scan).ok());
+  scan = Scan();
   scan.ranges.resize(10'000'000);
+  EXPECT_FALSE(SensorInfoOf(scan).ok());
+}
+
+TEST(LaserValuesTest, BeamsRunAsAngleMaxAndIncrementSay) {
+  messages::LaserScan scan = Scan();
+  // Clockwise.
+  scan.angle_min = 1;
+  scan.angle_max = -1;
+  scan.angle_increment = -0.5;
+  const auto info = SensorInfoOf(scan);
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->AngleOf_rad(4), -1);
+  scan.angle_increment = 0.5;
+  EXPECT_THAT(std::string(SensorInfoOf(scan).status().message()),
+              testing::HasSubstr("which way do its beams run?"));
+  scan = Scan();
+  scan.angle_max = 1;
+  scan.angle_increment = -0.5;
   EXPECT_FALSE(SensorInfoOf(scan).ok());
 }
 

@@ -1,6 +1,7 @@
 #include "nav_agent/bridge/dds/domain.h"
 
 #include "absl/memory/memory.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "dds/dds.h"
 
@@ -22,6 +23,17 @@ std::string Configuration(const std::string& interface) {
 }
 
 }  // namespace
+
+absl::StatusOr<int> DomainId(int wanted, const char* ros_domain_id) {
+  if (wanted >= 0) return wanted;
+  int id = 0;
+  if (ros_domain_id == nullptr || *ros_domain_id == 0 ||
+      absl::SimpleAtoi(ros_domain_id, &id)) {
+    return id;
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "ROS_DOMAIN_ID is \"", ros_domain_id, "\", which is no number"));
+}
 
 absl::StatusOr<std::unique_ptr<Domain>> Domain::Join(
     const DomainOptions& options) {

@@ -19,6 +19,10 @@ struct DomainOptions {
   std::string interface = {};
 };
 
+// `wanted`, or, if that is -1, what ROS_DOMAIN_ID says: nullptr or "" is 0.
+// INVALID_ARGUMENT if it is no number.
+absl::StatusOr<int> DomainId(int wanted, const char* ros_domain_id);
+
 // One of an id in a process; it must outlive the nodes in it.
 class Domain {
  public:

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "dds/dds.h"
+#include "nav_agent/bridge/dds/cyclone_neighbours.h"
 #include "nav_agent/bridge/dds/cyclone_parts.h"
 #include "nav_agent/bridge/dds/cyclone_service.h"
 
@@ -13,33 +14,42 @@ namespace {
 
 class CyclonePublisher final : public Publisher {
  public:
-  CyclonePublisher(std::string name, RawTopic topic, Entity writer)
-      : name_(std::move(name)),
+  CyclonePublisher(Endpoint ours, const CycloneNeighbours& neighbours,
+                   RawTopic topic, Entity writer)
+      : ours_(std::move(ours)),
+        neighbours_(neighbours),
         topic_(std::move(topic)),
         writer_(std::move(writer)) {}
 
   absl::Status Publish(std::span<const uint8_t> bytes) override {
     const absl::Status written = WriteRaw(writer_, topic_, bytes);
-    return written.ok() ? written
-                        : base::Annotate(written, "DDS: writing to " + name_);
+    return written.ok()
+               ? written
+               : base::Annotate(written, "DDS: writing to " + ours_.topic);
   }
   int matched() const override {
     dds_publication_matched_status_t status{};
     dds_get_publication_matched_status(writer_.id(), &status);
     return static_cast<int>(status.current_count);
   }
-  const std::string& topic() const override { return name_; }
+  std::string WhyNobody() const override {
+    return matched() > 0 ? "" : neighbours_.WhyNobody(ours_);
+  }
+  const std::string& topic() const override { return ours_.topic; }
 
  private:
-  const std::string name_;
+  const Endpoint ours_;
+  const CycloneNeighbours& neighbours_;
   const RawTopic topic_;
   const Entity writer_;
 };
 
 class CycloneSubscription final : public Subscription {
  public:
-  CycloneSubscription(std::string name, RawTopic topic, Entity reader)
-      : name_(std::move(name)),
+  CycloneSubscription(Endpoint ours, const CycloneNeighbours& neighbours,
+                      RawTopic topic, Entity reader)
+      : ours_(std::move(ours)),
+        neighbours_(neighbours),
         topic_(std::move(topic)),
         reader_(std::move(reader)) {}
 
@@ -62,20 +72,26 @@ class CycloneSubscription final : public Subscription {
     dds_get_sample_lost_status(reader_.id(), &status);
     return status.total_count;
   }
-  const std::string& topic() const override { return name_; }
+  std::string WhyNobody() const override {
+    return matched() > 0 ? "" : neighbours_.WhyNobody(ours_);
+  }
+  const std::string& topic() const override { return ours_.topic; }
 
  private:
-  const std::string name_;
+  const Endpoint ours_;
+  const CycloneNeighbours& neighbours_;
   const RawTopic topic_;
   const Entity reader_;
 };
 
 class CycloneNode final : public Node {
  public:
-  CycloneNode(NodeName name, Entity participant, Entity waitset)
+  CycloneNode(NodeName name, Entity participant, Entity waitset,
+              CycloneNeighbours neighbours)
       : name_(std::move(name)),
         participant_(std::move(participant)),
-        waitset_(std::move(waitset)) {}
+        waitset_(std::move(waitset)),
+        neighbours_(std::move(neighbours)) {}
 
   absl::StatusOr<std::unique_ptr<Publisher>> Advertise(
       const std::string& topic, const std::string& message_name,
@@ -84,8 +100,12 @@ class CycloneNode final : public Node {
     TL_ASSIGN_OR_RETURN(RawTopic made, MakeTopic(full, message_name));
     absl::StatusOr<Entity> writer = MakeWriter(participant_, made, quality);
     if (!writer.ok()) return base::Annotate(writer.status(), full);
-    return std::make_unique<CyclonePublisher>(full, std::move(made),
-                                              *std::move(writer));
+    return std::make_unique<CyclonePublisher>(
+        Endpoint{.topic = full,
+                 .message_name = message_name,
+                 .quality = quality,
+                 .is_writer = true},
+        neighbours_, std::move(made), *std::move(writer));
   }
 
   absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(
@@ -96,8 +116,10 @@ class CycloneNode final : public Node {
     absl::StatusOr<Entity> reader =
         MakeReader(participant_, waitset_, made, quality);
     if (!reader.ok()) return base::Annotate(reader.status(), full);
-    return std::make_unique<CycloneSubscription>(full, std::move(made),
-                                                 *std::move(reader));
+    return std::make_unique<CycloneSubscription>(
+        Endpoint{
+            .topic = full, .message_name = message_name, .quality = quality},
+        neighbours_, std::move(made), *std::move(reader));
   }
 
   absl::StatusOr<std::unique_ptr<Service>> Serve(
@@ -120,6 +142,7 @@ class CycloneNode final : public Node {
   const NodeName name_;
   const Entity participant_;
   const Entity waitset_;
+  const CycloneNeighbours neighbours_;
 };
 
 }  // namespace
@@ -140,8 +163,10 @@ absl::StatusOr<std::unique_ptr<Node>> Node::Create(const Domain& domain,
            absl::StrCat("domain ", domain.id())));
   TL_ASSIGN_OR_RETURN(Entity waitset,
                       Made(dds_create_waitset(participant.id()), "a waitset"));
-  return std::make_unique<CycloneNode>(name, std::move(participant),
-                                       std::move(waitset));
+  TL_ASSIGN_OR_RETURN(CycloneNeighbours neighbours,
+                      CycloneNeighbours::Watch(participant, domain.id()));
+  return std::make_unique<CycloneNode>(
+      name, std::move(participant), std::move(waitset), std::move(neighbours));
 }
 
 }  // namespace treeline::dds

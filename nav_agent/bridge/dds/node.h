@@ -13,27 +13,11 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/bridge/dds/domain.h"
+#include "nav_agent/bridge/dds/quality.h"
 #include "nav_agent/bridge/dds/service.h"
 #include "nav_agent/bridge/dds/topic_names.h"
 
 namespace treeline::dds {
-
-// Quality of service, as far as ROS 2's profiles differ in it.
-struct Quality {
-  // Lost samples are sent again. A reader that asks for this meets no writer
-  // that does not offer it; the other way round they match.
-  bool is_reliable = true;
-  // Who comes late gets the last ones ("transient local"); matched likewise.
-  bool is_latched = false;
-  // So many are kept for a slow reader, or for who comes late.
-  int depth = 10;
-};
-// rmw_qos_profile_sensor_data.
-inline constexpr Quality kSensorData = {
-    .is_reliable = false, .is_latched = false, .depth = 5};
-// /map, /tf_static.
-inline constexpr Quality kLatched = {
-    .is_reliable = true, .is_latched = true, .depth = 1};
 
 struct Sample {
   // Its encoding in front (message_codec.h).
@@ -50,6 +34,9 @@ class Publisher {
   virtual absl::Status Publish(std::span<const uint8_t> bytes) = 0;
   // Readers that have been found and match.
   virtual int matched() const = 0;
+  // Why there are none, as far as others were discovered (endpoints.h); "":
+  // there are some.
+  virtual std::string WhyNobody() const = 0;
   virtual const std::string& topic() const = 0;
 };
 
@@ -61,7 +48,10 @@ class Subscription {
   // 256 the rest is left for the next call, so that nobody who floods a topic
   // keeps its reader.
   virtual std::vector<Sample> Take() = 0;
+  // Writers that have been found and match.
   virtual int matched() const = 0;
+  // As Publisher's.
+  virtual std::string WhyNobody() const = 0;
   // Samples that were lost on the way, as far as DDS noticed.
   virtual int64_t lost() const = 0;
   virtual const std::string& topic() const = 0;

@@ -138,5 +138,33 @@ TEST(DomainTest, ErrorsSayWhatIsWrong) {
             absl::StatusCode::kInvalidArgument);
 }
 
+TEST_F(NodeTest, WhyNobodyIsThereIsSaid) {
+  const auto listens = *b_->Subscribe("scan", kType, {.is_reliable = true});
+  const auto offers = *a_->Advertise("front/scan", kType, kSensorData);
+  const auto says = [this, &listens](const std::string& what) {
+    for (int i = 0; i < 1000; ++i) {
+      if (listens->WhyNobody().find(what) != std::string::npos) return true;
+      b_->Wait(milliseconds(10));
+    }
+    return false;
+  };
+  EXPECT_TRUE(says("of type std_msgs/msg/Header there is /front/scan"))
+      << listens->WhyNobody();
+  {
+    const auto best_effort = *a_->Advertise("scan", kType, kSensorData);
+    EXPECT_TRUE(says("published as best effort")) << listens->WhyNobody();
+    EXPECT_EQ(listens->matched(), 0);
+  }
+  // Who has left is named no more.
+  EXPECT_TRUE(says("nobody publishes /scan")) << listens->WhyNobody();
+  const auto reliable = *a_->Advertise("scan", kType, {});
+  ASSERT_TRUE(WaitForMatch(*b_, *reliable));
+  for (int i = 0; i < 1000 && listens->matched() == 0; ++i) {
+    b_->Wait(milliseconds(10));
+  }
+  EXPECT_EQ(listens->WhyNobody(), "");
+  EXPECT_EQ(reliable->WhyNobody(), "");
+}
+
 }  // namespace
 }  // namespace treeline::dds

@@ -79,6 +79,7 @@ void BasePort::Watch() {
 core::DeviceHealth BasePort::Health() const {
   core::DeviceHealth health;
   const bool is_heard = wire_.listeners() > 0;
+  const std::string why = is_heard ? "" : wire_.why_nobody();
   const absl::Status obstacle = wire_.obstacle();
   const absl::MutexLock lock(&mutex_);
   health.received = sent_;
@@ -86,8 +87,7 @@ core::DeviceHealth BasePort::Health() const {
       is_heard ? core::DeviceState::kRunning : core::DeviceState::kLost;
   if (!is_heard) {
     health.cause = absl::UnavailableError(
-        absl::StrCat("nobody listens on ", topic_,
-                     ": is the robot's controller running, in this domain?"));
+        why.empty() ? absl::StrCat("nobody listens on ", topic_) : why);
   } else if (!obstacle.ok() || !last_error_.ok()) {
     health.state = core::DeviceState::kLost;
     health.cause = obstacle.ok() ? last_error_ : obstacle;

@@ -26,6 +26,8 @@ class BasePort final : public core::BaseDriver {
     std::function<int()> listeners;
     // Why the robot may not move now; OK: it may.
     std::function<absl::Status()> obstacle;
+    // Why nobody listens.
+    std::function<std::string()> why_nobody = [] { return std::string(); };
   };
   // real_clock must outlive it.
   BasePort(std::string topic, const base::Clock& real_clock, Wire wire);

@@ -102,8 +102,10 @@ absl::StatusOr<core::RangeSensorInfo> GoodInfoOf(
 
 absl::Status LaserPort::Add(const messages::LaserScan& message) {
   absl::StatusOr<core::RangeSensorInfo> info = GoodInfoOf(message);
+  const absl::Status stamped = time_.CheckStamp(message.header.stamp);
   const absl::MutexLock lock(&mutex_);
   if (!info.ok()) return health_.NoteBroken(info.status());
+  if (!stamped.ok()) return health_.NoteBroken(stamped);
   Measured measured = {.info = *info, .scan = agent_values::ScanOf(message)};
   measured.scan.stamp = time_.TimeOf(message.header.stamp);
   if (is_upside_down_) TurnUpsideUp(measured);

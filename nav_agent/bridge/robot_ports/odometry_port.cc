@@ -50,6 +50,11 @@ geometry::Rigid3 Between(const geometry::Rigid3& a, const geometry::Rigid3& b,
 
 }  // namespace
 
+absl::Status OdometryPort::Refuse(const absl::Status& why) {
+  const absl::MutexLock lock(&mutex_);
+  return health_.NoteBroken(why);
+}
+
 absl::Status OdometryPort::Add(const messages::Odometry& message,
                                const geometry::Rigid3& child_from_base) {
   const absl::StatusOr<geometry::Rigid3> odom_from_child =
@@ -62,9 +67,11 @@ absl::Status OdometryPort::Add(const messages::Odometry& message,
       child_from_base.rotation.Inverse() *
       geometry::Vec3{twist.linear.x - yaw_rate_radps * at.y,
                      twist.linear.y + yaw_rate_radps * at.x, 0};
+  const absl::Status stamped = time_.CheckStamp(message.header.stamp);
   const absl::MutexLock lock(&mutex_);
   if (!odom_from_child.ok())
     return health_.NoteBroken(odom_from_child.status());
+  if (!stamped.ok()) return health_.NoteBroken(stamped);
   if (!(std::abs(velocity.x) <= kFastest_mps) ||
       !(std::abs(yaw_rate_radps) <= kFastest_radps)) {
     return health_.NoteBroken(absl::InvalidArgumentError(

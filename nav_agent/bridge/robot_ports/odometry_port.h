@@ -35,10 +35,13 @@ class OdometryPort final : public core::Odometry {
         health_(topic) {}
 
   // Where the robot's base is in the frame child_frame_id. INVALID_ARGUMENT for
-  // what is not finite, no rotation, or too fast for any robot; it is counted,
-  // and dropped.
+  // what is not finite, no rotation, too fast for any robot, or of another
+  // clock; it is counted, and dropped.
   absl::Status Add(const messages::Odometry& message,
                    const geometry::Rigid3& child_from_base);
+
+  // What could not be made ready for Add counts as broken, too. Returns `why`.
+  absl::Status Refuse(const absl::Status& why);
 
   // Of the last two seconds; the newest for what is newer. nullopt: there is
   // none.

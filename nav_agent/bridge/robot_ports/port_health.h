@@ -40,11 +40,9 @@ class PortHealth {
   core::DeviceHealth At(base::MonotonicTime real_now) const {
     core::DeviceHealth health = health_;
     if (!last_.has_value()) {
-      health.cause = last_fault_.ok()
-                         ? absl::UnavailableError(absl::StrCat(
-                               "nothing has come on ", topic_,
-                               ": does anybody publish it, in this domain?"))
-                         : last_fault_;
+      health.cause = last_fault_.ok() ? absl::UnavailableError(absl::StrCat(
+                                            "nothing has come on ", topic_))
+                                      : last_fault_;
       return health;
     }
     health.state = core::DeviceState::kRunning;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <utility>
+
+#include "absl/strings/str_cat.h"
 
 namespace treeline::robot_ports {
 namespace {
@@ -16,6 +19,9 @@ constexpr int64_t kJump_ns = 100'000'000;
 // a while.
 constexpr int64_t kLeap_ns = 2'000'000'000;
 constexpr double kSilent_s = 0.5;
+// Clocks of machines that nobody sets differ by less, and messages are late by
+// less.
+constexpr int64_t kOtherClock_ns = 10'000'000'000;
 
 int64_t Nanoseconds(base::MonotonicTime time) {
   return std::chrono::duration_cast<nanoseconds>(time.time_since_epoch())
@@ -24,6 +30,14 @@ int64_t Nanoseconds(base::MonotonicTime time) {
 
 base::MonotonicTime AtNanoseconds(int64_t time_ns) {
   return base::MonotonicTime(nanoseconds(time_ns));
+}
+
+// So rough that a clock that is wrong is told of once.
+const char* Roughly(int64_t duration_ns) {
+  constexpr int64_t kMinute_ns = 60'000'000'000;
+  if (duration_ns < kMinute_ns) return "more than 10 s";
+  if (duration_ns < 60 * kMinute_ns) return "minutes";
+  return duration_ns < 24 * 60 * kMinute_ns ? "hours" : "days";
 }
 
 }  // namespace
@@ -103,6 +117,26 @@ void RosTime::Watch() {
 base::MonotonicTime RosTime::TimeOf(const messages::Time& stamp) const {
   const absl::MutexLock lock(&mutex_);
   return AtNanoseconds(messages::Nanoseconds(stamp) + Shift_ns());
+}
+
+absl::Status RosTime::CheckStamp(const messages::Time& stamp) const {
+  const int64_t stamp_ns = messages::Nanoseconds(stamp);
+  if (stamp_ns == 0) {
+    return absl::InvalidArgumentError(
+        "its stamp is 0: whoever publishes it must stamp it");
+  }
+  const absl::MutexLock lock(&mutex_);
+  // Nobody has told the time yet.
+  if (is_simulated_ && !clock_ns_.has_value()) return absl::OkStatus();
+  const int64_t now_ns = Nanoseconds(NowLocked()) - Shift_ns();
+  if (std::abs(stamp_ns - now_ns) <= kOtherClock_ns) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "its stamp is ", Roughly(std::abs(stamp_ns - now_ns)),
+      stamp_ns < now_ns ? " old: " : " ahead: ",
+      is_simulated_
+          ? "whoever publishes it does not go by /clock (use_sim_time)"
+          : "in a simulation, set use_sim_time; else set the clocks of both "
+            "machines (chrony)"));
 }
 
 messages::Time RosTime::StampOf(base::MonotonicTime time) const {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 #include "common/ros2/messages/common_messages.h"
@@ -37,6 +38,10 @@ class RosTime final : public base::Clock {
 
   base::MonotonicTime TimeOf(const messages::Time& stamp) const;
   messages::Time StampOf(base::MonotonicTime time) const;
+
+  // INVALID_ARGUMENT, with what to do, for a stamp of another clock: one that
+  // is 0, or more than 10 s off.
+  absl::Status CheckStamp(const messages::Time& stamp) const;
 
   // How often the clock that stamps are of was set, by 0.1 s or more, or that
   // of a simulation leapt ahead by more than 2 s.

@@ -40,6 +40,34 @@ TEST(RosTimeTest, ASystemsClockThatIsSetChangesStampsAndNotTime) {
   EXPECT_EQ(testing.time.jumps(), 1);
 }
 
+TEST(RosTimeTest, AStampOfAnotherClockSaysWhatToDo) {
+  const auto told = [](const RosTime& time, double seconds) {
+    return std::string(time.CheckStamp(ClockAt(seconds).clock).message());
+  };
+  TestingTime testing;
+  const double now_s = 1e-9 * static_cast<double>(testing.SystemNow());
+  EXPECT_EQ(told(testing.time, now_s), "");
+  EXPECT_EQ(told(testing.time, now_s - 9), "");
+  EXPECT_EQ(told(testing.time, now_s + 20),
+            "its stamp is more than 10 s ahead: in a simulation, set "
+            "use_sim_time; else "
+            "set the clocks of both machines (chrony)");
+  EXPECT_EQ(told(testing.time, 0),
+            "its stamp is 0: whoever publishes it must stamp it");
+  ManualClock real;
+  RosTime simulated(true, real, [] { return int64_t{0}; });
+  EXPECT_EQ(told(simulated, 5000), "") << "nobody has told the time";
+  simulated.Set(ClockAt(100));
+  EXPECT_EQ(told(simulated, 105), "");
+  EXPECT_EQ(told(simulated, 5000),
+            "its stamp is hours ahead: whoever publishes it does not go by "
+            "/clock (use_sim_time)");
+  // What is left of before a clock was set back.
+  simulated.Set(ClockAt(10));
+  EXPECT_EQ(told(simulated, 11), "");
+  EXPECT_NE(told(simulated, 100), "");
+}
+
 TEST(RosTimeTest, ASimulationsTimeIsCarriedOnToTheNextMessageAndNotBeyond) {
   ManualClock real;
   RosTime time(true, real, [] { return int64_t{0}; });

@@ -1,5 +1,6 @@
 #include "nav_agent/bridge/topic_inputs/topic_inputs.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "common/base/sample_statistics.h"
@@ -10,8 +11,13 @@ namespace {
 
 // Of which delivery times are kept.
 constexpr size_t kDeliveries = 10'000;
-// A fault that goes on is told so often.
-constexpr int64_t kToldEvery = 100;
+// A fault that goes on is told for the hundredth, the thousandth time and so
+// on.
+bool IsToldAgain(int64_t refused) {
+  int64_t told = 100;
+  while (told < refused) told *= 10;
+  return refused == told;
+}
 
 }  // namespace
 
@@ -21,7 +27,8 @@ absl::Status TopicInputs::SubscribeRaw(
     std::function<absl::Status(std::span<const uint8_t> bytes)> deliver) {
   TL_ASSIGN_OR_RETURN(std::unique_ptr<dds::Subscription> subscription,
                       node_.Subscribe(topic, message_name, quality));
-  inputs_.push_back({.subscription = std::move(subscription),
+  inputs_.push_back({.topic = topic,
+                     .subscription = std::move(subscription),
                      .is_latched = quality.is_latched,
                      .deliver = std::move(deliver)});
   return absl::OkStatus();
@@ -39,7 +46,7 @@ std::vector<TopicInputs::Fault> TopicInputs::Deliver(
       if (status.ok()) continue;
       ++input.refused;
       const std::string text(status.message());
-      if (text == input.last_fault && input.refused % kToldEvery != 0) continue;
+      if (text == input.last_fault && !IsToldAgain(input.refused)) continue;
       input.last_fault = text;
       faults.push_back({.topic = input.subscription->topic(),
                         .why = status,
@@ -47,6 +54,21 @@ std::vector<TopicInputs::Fault> TopicInputs::Deliver(
     }
   }
   return faults;
+}
+
+const TopicInputs::Input* TopicInputs::Find(const std::string& topic) const {
+  const auto input = std::ranges::find(inputs_, topic, &Input::topic);
+  return input == inputs_.end() ? nullptr : &*input;
+}
+
+int TopicInputs::publishers(const std::string& topic) const {
+  const Input* input = Find(topic);
+  return input == nullptr ? 0 : input->subscription->matched();
+}
+
+std::string TopicInputs::WhyNobody(const std::string& topic) const {
+  const Input* input = Find(topic);
+  return input == nullptr ? "" : input->subscription->WhyNobody();
 }
 
 int64_t TopicInputs::refused() const {

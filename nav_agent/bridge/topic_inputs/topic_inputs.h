@@ -47,8 +47,14 @@ class TopicInputs {
   };
   // Waits until something is there, at most so long, and hands it over. Returns
   // what is worth a line of a log: of each topic, a fault that is not the one
-  // before, and of those that go on every hundredth.
+  // before, and of those that go on the hundredth, the thousandth and so on.
   std::vector<Fault> Deliver(std::chrono::nanoseconds wait_at_most);
+
+  // How many publish `topic`, as it was called in Subscribe.
+  int publishers(const std::string& topic) const;
+  // Why nobody does (dds::Publisher::WhyNobody); "": somebody does, or it was
+  // not subscribed to.
+  std::string WhyNobody(const std::string& topic) const;
 
   int64_t delivered() const { return delivered_; }
   // Of all topics.
@@ -60,6 +66,8 @@ class TopicInputs {
 
  private:
   struct Input {
+    // As it was called.
+    std::string topic;
     std::unique_ptr<dds::Subscription> subscription;
     bool is_latched = false;
     std::function<absl::Status(std::span<const uint8_t> bytes)> deliver;
@@ -70,6 +78,7 @@ class TopicInputs {
       const std::string& topic, const std::string& message_name,
       const dds::Quality& quality,
       std::function<absl::Status(std::span<const uint8_t> bytes)> deliver);
+  const Input* Find(const std::string& topic) const;
   void NoteDelivery(int64_t written_ns);
 
   dds::Node& node_;

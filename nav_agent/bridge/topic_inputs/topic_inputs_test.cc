@@ -7,11 +7,14 @@
 #include <utility>
 
 #include "common/ros2/messages/common_messages.h"
+#include "nav_agent/bridge/topic_inputs/topic_watch.h"
 
 namespace treeline::topic_inputs {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // A node on which tests put samples.
 class FakeNode final : public dds::Node {
@@ -24,7 +27,7 @@ class FakeNode final : public dds::Node {
   absl::StatusOr<std::unique_ptr<dds::Subscription>> Subscribe(
       const std::string& topic, const std::string& /*message_name*/,
       const dds::Quality& /*quality*/) override {
-    return std::make_unique<FakeSubscription>(topic, samples);
+    return std::make_unique<FakeSubscription>(topic, *this);
   }
   absl::StatusOr<std::unique_ptr<dds::Service>> Serve(
       const std::string& /*service*/,
@@ -36,22 +39,25 @@ class FakeNode final : public dds::Node {
   }
 
   std::vector<dds::Sample> samples;
+  int writers = 1;
+  std::string why;
 
  private:
   class FakeSubscription final : public dds::Subscription {
    public:
-    FakeSubscription(std::string topic, std::vector<dds::Sample>& samples)
-        : topic_(std::move(topic)), samples_(samples) {}
+    FakeSubscription(std::string topic, FakeNode& node)
+        : topic_(std::move(topic)), node_(node) {}
     std::vector<dds::Sample> Take() override {
-      return std::exchange(samples_, {});
+      return std::exchange(node_.samples, {});
     }
-    int matched() const override { return 1; }
+    int matched() const override { return node_.writers; }
+    std::string WhyNobody() const override { return node_.why; }
     int64_t lost() const override { return 0; }
     const std::string& topic() const override { return topic_; }
 
    private:
     const std::string topic_;
-    std::vector<dds::Sample>& samples_;
+    FakeNode& node_;
   };
 };
 
@@ -101,6 +107,10 @@ TEST_F(TopicInputsTest, WhatIsRefusedIsCountedAndToldOnce) {
   ASSERT_EQ(again.size(), 1U) << "it goes on";
   EXPECT_EQ(again[0].refused, 100);
   EXPECT_EQ(inputs_.refused(), 100);
+  for (int i = 0; i < 899; ++i) Come("");
+  EXPECT_TRUE(Deliver().empty());
+  Come("");
+  EXPECT_EQ(Deliver().size(), 1U);
 }
 
 TEST_F(TopicInputsTest, BytesThatAreNoMessageAreRefused) {
@@ -110,6 +120,35 @@ TEST_F(TopicInputsTest, BytesThatAreNoMessageAreRefused) {
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_THAT(std::string(faults[0].why.message()), HasSubstr("Header"));
   EXPECT_TRUE(heard_.empty());
+}
+
+TEST_F(TopicInputsTest, WhoIsMissingOrThereTwiceIsSaidOnce) {
+  base::MonotonicTime now(std::chrono::hours(1));
+  TopicWatch watch({"headers", "not there"}, /*tells_nobody=*/true);
+  TopicWatch doubled({"headers"}, /*tells_nobody=*/false);
+  const auto look = [&](TopicWatch& who) {
+    now += std::chrono::seconds(3);
+    return who.Look(inputs_, now);
+  };
+  node_.writers = 0;
+  node_.why = "nobody publishes /headers";
+  EXPECT_TRUE(watch.Look(inputs_, now).empty()) << "it may come yet";
+  EXPECT_TRUE(doubled.Look(inputs_, now).empty());
+  EXPECT_THAT(look(watch), ElementsAre("nobody publishes /headers"));
+  EXPECT_THAT(look(watch), IsEmpty());
+  EXPECT_THAT(look(doubled), IsEmpty());
+  node_.why = "/headers is of type x";
+  EXPECT_THAT(look(watch), ElementsAre("/headers is of type x"));
+  node_.writers = 1;
+  node_.why = "";
+  EXPECT_THAT(look(watch), IsEmpty());
+  node_.writers = 2;
+  EXPECT_THAT(look(watch),
+              ElementsAre(HasSubstr("2 programs publish headers")));
+  EXPECT_THAT(look(doubled),
+              ElementsAre(HasSubstr("2 programs publish headers")));
+  EXPECT_EQ(inputs_.publishers("headers"), 2);
+  EXPECT_EQ(inputs_.publishers("not there"), 0);
 }
 
 }  // namespace

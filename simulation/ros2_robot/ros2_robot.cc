@@ -1,41 +1,22 @@
-// A robot of ROS 2 that is known over DDS alone: a simulated one, in a world of
-// the simulator, that publishes what its sensors say and drives as /cmd_vel
-// says. A person with a remote control (the tour) and RViz (goals) are played,
-// too.
-//
-//   simulated_robot DOMAIN WORLD PACE CAMERA_HZ [plain]
-//
-// PACE: simulated seconds in a real one; time is told on /clock. 0: real time,
-// with stamps of the system's clock and without /clock. plain: one laser of 541
-// beams at 20 Hz, instead of two of which one has 1081 at 40 Hz.
-//
-// Lines on standard input:
-//   tour                     drives the world's tour, once
-//   kidnap X Y YAW           is elsewhere in the world (m, rad)
-//   goal X Y YAW             somebody clicks a goal, there in the world
-//   place X Y YAW            somebody clicks an initial pose
-//   silence TOPIC SECONDS    scan, odom or clock says nothing for so long
-//   jump SECONDS             the clock that stamps are of is set ahead by so
-//   much nonsense                 a scan and an odometry that are none
-// On standard output, twice a second, a line of key=value that tests wait for.
+#include "simulation/ros2_robot/ros2_robot.h"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <deque>
-#include <iostream>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
-#include <thread>
+#include <utility>
+#include <vector>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
+#include "common/base/check_range.h"
+#include "common/base/clock.h"
+#include "common/base/status_macros.h"
 #include "common/camera/camera.h"
 #include "common/geometry/planar_pose.h"
 #include "common/image/decode.h"
@@ -44,14 +25,14 @@
 #include "common/ros2/messages/nav_messages.h"
 #include "common/ros2/messages/sensor_messages.h"
 #include "nav_agent/bridge/agent_values/laser_values.h"
-#include "nav_agent/bridge/dds/domain.h"
 #include "nav_agent/bridge/dds/node.h"
+#include "simulation/ros2_robot/robot_orders.h"
 #include "simulation/simulator/paced_runner.h"
 #include "simulation/simulator/scenario.h"
 #include "simulation/simulator/scenario_player.h"
 #include "simulation/simulator/simulator.h"
 
-namespace treeline {
+namespace treeline::ros2_robot {
 namespace {
 
 using simulator::SimTime;
@@ -60,40 +41,13 @@ using simulator::SimTime;
 constexpr SimTime kStep = std::chrono::milliseconds(5);
 // ROS 2's simulations publish /clock about so often.
 constexpr SimTime kClockInterval = std::chrono::milliseconds(10);
+constexpr auto kLookUp = std::chrono::milliseconds(1);
+constexpr auto kStatusInterval = std::chrono::milliseconds(500);
+constexpr double kTourSpeed_mps = 0.6;
+constexpr int kJpegQuality = 85;
 constexpr SimTime kSteerInterval = std::chrono::milliseconds(50);
 // A simulation's clock begins somewhere.
 constexpr int64_t kClockBegins_ns = 1'000'000'000'000;
-
-// What the test's input says, line by line.
-class Orders {
- public:
-  Orders()
-      : thread_([this] {
-          std::string line;
-          while (std::getline(std::cin, line)) {
-            const absl::MutexLock lock(&mutex_);
-            lines_.push_back(line);
-          }
-          const absl::MutexLock lock(&mutex_);
-          is_over_ = true;
-        }) {}
-  ~Orders() { thread_.detach(); }
-
-  std::vector<std::string> Take() {
-    const absl::MutexLock lock(&mutex_);
-    return std::exchange(lines_, {});
-  }
-  bool is_over() {
-    const absl::MutexLock lock(&mutex_);
-    return is_over_;
-  }
-
- private:
-  absl::Mutex mutex_;
-  std::vector<std::string> lines_ ABSL_GUARDED_BY(mutex_);
-  bool is_over_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
-};
 
 class SimulatedRobot {
  public:
@@ -107,54 +61,38 @@ class SimulatedRobot {
         has_camera_(has_camera),
         pace_(has_clock_ ? pace : 1) {}
 
-  void Run() {
-    Advertise();
-    Orders orders;
-    auto next_status = std::chrono::steady_clock::now();
-    while (!orders.is_over()) {
-      for (const std::string& line : orders.Take()) waiting_.push_back(line);
-      while (!waiting_.empty() && CanObey(waiting_.front())) {
-        Obey(waiting_.front());
-        waiting_.pop_front();
-      }
-      const base::MonotonicTime now = real_clock_.Now();
-      if (pace_.Due(now) >= kStep) {
-        Step();
-      } else {
-        node_.Wait(std::chrono::milliseconds(1));
-      }
-      TakeMessages();
-      if (now >= next_status) {
-        next_status = now + std::chrono::milliseconds(500);
-        Tell();
-      }
-    }
-  }
+  absl::Status Run(const std::stop_token& stop);
 
  private:
   template <typename M>
-  std::unique_ptr<dds::Publisher> Make(const std::string& topic,
-                                       const dds::Quality& quality) {
-    return node_.Advertise(topic, M::kName, quality).value();
+  absl::Status Make(const std::string& topic, const dds::Quality& quality,
+                    std::unique_ptr<dds::Publisher>& made) {
+    TL_ASSIGN_OR_RETURN(made, node_.Advertise(topic, M::kName, quality));
+    return absl::OkStatus();
   }
   template <typename M>
-  std::unique_ptr<dds::Subscription> Hear(const std::string& topic,
-                                          const dds::Quality& quality) {
-    return node_.Subscribe(topic, M::kName, quality).value();
+  absl::Status Hear(const std::string& topic, const dds::Quality& quality,
+                    std::unique_ptr<dds::Subscription>& made) {
+    TL_ASSIGN_OR_RETURN(made, node_.Subscribe(topic, M::kName, quality));
+    return absl::OkStatus();
   }
+  // What cannot be sent ends Run.
   template <typename M>
-  static void Send(dds::Publisher& publisher, const M& message) {
-    if (!publisher.Publish(messages::Encode(message)).ok()) std::abort();
+  void Send(dds::Publisher& publisher, const M& message) {
+    sent_.Update(publisher.Publish(messages::Encode(message)));
   }
-  // The newest message, if one has come.
+  // The newest message, if one has come that can be read.
   template <typename M>
   static std::optional<M> Newest(dds::Subscription& subscription) {
     const std::vector<dds::Sample> samples = subscription.Take();
     if (samples.empty()) return std::nullopt;
-    return messages::Decode<M>(samples.back().bytes).value();
+    auto message = messages::Decode<M>(samples.back().bytes);
+    if (!message.ok()) return std::nullopt;
+    return *std::move(message);
   }
 
-  void Advertise();
+  absl::Status Advertise();
+  void SendMounts();
   void Step();
   void Steer();
   void PublishSensors();
@@ -162,12 +100,16 @@ class SimulatedRobot {
   void PublishFrame(const core::RgbdFrame& frame);
   void TakeMessages();
   // Who clicks looks whether anybody listens.
-  bool CanObey(const std::string& line) const {
-    if (line.starts_with("goal")) return goal_->matched() > 0;
-    if (line.starts_with("place")) return initial_pose_->matched() > 0;
+  bool CanObey(const RobotOrder& order) const {
+    if (order.kind == RobotOrder::Kind::kGoal) return goal_->matched() > 0;
+    if (order.kind == RobotOrder::Kind::kPlace) {
+      return initial_pose_->matched() > 0;
+    }
     return true;
   }
-  void Obey(const std::string& line);
+  void TakeOrders();
+  void Obey(const RobotOrder& order);
+  void DriveTour();
   void SendNonsense();
   void Tell();
 
@@ -190,9 +132,10 @@ class SimulatedRobot {
     return map_from_world_ *
            geometry::PlanarPose(robot_->state().world_from_base);
   }
-  messages::Pose InMap(double x_m, double y_m, double yaw_rad) const {
+  messages::Pose InMap(const RobotOrder& order) const {
     const geometry::Rigid2 place =
-        map_from_world_ * geometry::Rigid2{{x_m, y_m}, yaw_rad};
+        map_from_world_ *
+        geometry::Rigid2{{order.x_m, order.y_m}, order.yaw_rad};
     return conversions::PoseOf(
         {.rotation = geometry::Rotation3::FromAxisAngle({0, 0, place.yaw_rad}),
          .translation = {place.translation.x, place.translation.y, 0}});
@@ -210,7 +153,9 @@ class SimulatedRobot {
   int64_t jump_ns_ = 0;
   SimTime next_clock_{0};
   SimTime next_steering_{0};
-  std::deque<std::string> waiting_;
+  OrderReader orders_;
+  std::deque<RobotOrder> waiting_;
+  absl::Status sent_;
   std::map<std::string, SimTime> silent_until_;
   std::unique_ptr<simulator::TourDriver> tour_;
   // ---- wheels ----
@@ -241,8 +186,65 @@ class SimulatedRobot {
   std::unique_ptr<dds::Subscription> diagnostics_heard_;
 };
 
-void SimulatedRobot::Advertise() {
-  static_frames_ = Make<messages::TFMessage>("/tf_static", dds::kLatched);
+absl::Status SimulatedRobot::Run(const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(Advertise());
+  SendMounts();
+  auto next_status = real_clock_.Now();
+  while (!stop.stop_requested() && sent_.ok()) {
+    TakeOrders();
+    const base::MonotonicTime now = real_clock_.Now();
+    if (pace_.Due(now) >= kStep) {
+      Step();
+    } else {
+      node_.Wait(kLookUp);
+    }
+    TakeMessages();
+    if (now >= next_status) {
+      next_status = now + kStatusInterval;
+      Tell();
+    }
+  }
+  return sent_;
+}
+
+absl::Status SimulatedRobot::Advertise() {
+  if (has_clock_) {
+    TL_RETURN_IF_ERROR(Make<messages::Clock>(
+        "/clock", {.is_reliable = false, .is_latched = false, .depth = 1},
+        clock_));
+  }
+  TL_RETURN_IF_ERROR(
+      Make<messages::TFMessage>("/tf_static", dds::kLatched, static_frames_));
+  TL_RETURN_IF_ERROR(Make<messages::Odometry>("odom", {}, odom_));
+  TL_RETURN_IF_ERROR(
+      Make<messages::LaserScan>("scan", dds::kSensorData, scan_));
+  if (robot_->rear_laser() != nullptr) {
+    TL_RETURN_IF_ERROR(
+        Make<messages::LaserScan>("rear_scan", dds::kSensorData, rear_scan_));
+  }
+  if (has_camera_) {
+    TL_RETURN_IF_ERROR(Make<messages::CameraInfo>("camera/camera_info",
+                                                  dds::kSensorData, info_));
+    TL_RETURN_IF_ERROR(Make<messages::CompressedImage>(
+        "camera/image_raw/compressed", dds::kSensorData, picture_));
+  }
+  TL_RETURN_IF_ERROR(Make<messages::PoseStamped>("goal_pose", {}, goal_));
+  TL_RETURN_IF_ERROR(Make<messages::PoseWithCovarianceStamped>(
+      "initialpose", {}, initial_pose_));
+  TL_RETURN_IF_ERROR(Hear<messages::Twist>("cmd_vel", {}, cmd_vel_heard_));
+  TL_RETURN_IF_ERROR(
+      Hear<messages::PoseWithCovarianceStamped>("amcl_pose", {}, place_heard_));
+  TL_RETURN_IF_ERROR(Hear<messages::TFMessage>(
+      "/tf", {.is_reliable = true, .is_latched = false, .depth = 100},
+      frames_heard_));
+  TL_RETURN_IF_ERROR(
+      Hear<messages::OccupancyGrid>("map", dds::kLatched, map_heard_));
+  TL_RETURN_IF_ERROR(Hear<messages::Path>("plan", {}, plan_heard_));
+  return Hear<messages::DiagnosticArray>("/diagnostics", {},
+                                         diagnostics_heard_);
+}
+
+void SimulatedRobot::SendMounts() {
   messages::TFMessage mounts;
   const core::RobotModel& model = robot_->options().robot;
   for (const auto& [name, base_from_sensor] :
@@ -255,23 +257,6 @@ void SimulatedRobot::Advertise() {
          .transform = conversions::TransformOf(base_from_sensor)});
   }
   Send(*static_frames_, mounts);
-  if (has_clock_) {
-    clock_ = Make<messages::Clock>("/clock", {.is_reliable = false});
-  }
-  odom_ = Make<messages::Odometry>("odom", {});
-  scan_ = Make<messages::LaserScan>("scan", dds::kSensorData);
-  rear_scan_ = Make<messages::LaserScan>("rear_scan", dds::kSensorData);
-  info_ = Make<messages::CameraInfo>("camera/camera_info", dds::kSensorData);
-  picture_ = Make<messages::CompressedImage>("camera/image_raw/compressed",
-                                             dds::kSensorData);
-  goal_ = Make<messages::PoseStamped>("goal_pose", {});
-  initial_pose_ = Make<messages::PoseWithCovarianceStamped>("initialpose", {});
-  cmd_vel_heard_ = Hear<messages::Twist>("cmd_vel", {});
-  place_heard_ = Hear<messages::PoseWithCovarianceStamped>("amcl_pose", {});
-  frames_heard_ = Hear<messages::TFMessage>("/tf", {.depth = 100});
-  map_heard_ = Hear<messages::OccupancyGrid>("map", dds::kLatched);
-  plan_heard_ = Hear<messages::Path>("plan", {});
-  diagnostics_heard_ = Hear<messages::DiagnosticArray>("/diagnostics", {});
 }
 
 void SimulatedRobot::Step() {
@@ -370,16 +355,19 @@ void SimulatedRobot::PublishFrame(const core::RgbdFrame& frame) {
   messages::CompressedImage picture;
   picture.header = info.header;
   picture.format = "jpeg";
-  const std::string jpeg = image::EncodeJpeg(frame.frame.color, 85).value();
-  picture.data.assign(jpeg.begin(), jpeg.end());
+  const auto jpeg = image::EncodeJpeg(frame.frame.color, kJpegQuality);
+  sent_.Update(jpeg.status());
+  if (!jpeg.ok()) return;
+  picture.data.assign(jpeg->begin(), jpeg->end());
   Send(*picture_, picture);
 }
 
 void SimulatedRobot::TakeMessages() {
   for (const dds::Sample& sample : cmd_vel_heard_->Take()) {
-    const auto twist = messages::Decode<messages::Twist>(sample.bytes).value();
-    command_ = {.forward_mps = twist.linear.x,
-                .yaw_rate_radps = twist.angular.z};
+    const auto twist = messages::Decode<messages::Twist>(sample.bytes);
+    if (!twist.ok()) continue;
+    command_ = {.forward_mps = twist->linear.x,
+                .yaw_rate_radps = twist->angular.z};
     ++commands_;
     if (tour_ == nullptr) robot_->base().SetVelocity(command_).IgnoreError();
   }
@@ -406,51 +394,66 @@ void SimulatedRobot::TakeMessages() {
   }
 }
 
-void SimulatedRobot::Obey(const std::string& line) {
-  std::istringstream words(line);
-  std::string order;
-  words >> order;
-  if (order == "silence") {
-    std::string topic;
-    double seconds = 0;
-    words >> topic >> seconds;
-    silent_until_[topic] = robot_->now() + simulator::FromSeconds(seconds);
-    return;
-  }
-  double x = 0;
-  double y = 0;
-  double yaw = 0;
-  words >> x >> y >> yaw;
-  if (order == "tour") {
-    simulator::TourOptions options;
-    options.speed_mps = 0.6;
-    std::vector<geometry::Vec3> corners;
-    for (const worlds::Float3& corner : robot_->world().tour) {
-      corners.push_back({static_cast<double>(corner.x),
-                         static_cast<double>(corner.y),
-                         static_cast<double>(corner.z)});
+void SimulatedRobot::TakeOrders() {
+  for (const std::string& line : orders_.TakeLines()) {
+    const absl::StatusOr<RobotOrder> order = ParseOrder(line);
+    if (order.ok()) {
+      waiting_.push_back(*order);
+    } else {
+      std::fprintf(stderr, "%s\n",
+                   std::string(order.status().message()).c_str());
     }
-    tour_ = std::make_unique<simulator::TourDriver>(corners, options);
-  } else if (order == "kidnap") {
-    const absl::Status status =
-        robot_->Kidnap({.position = {x, y}, .yaw_rad = yaw});
-    if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
-  } else if (order == "goal") {
-    messages::PoseStamped goal;
-    goal.header = HeaderOf(base::MonotonicTime(robot_->now()), "map");
-    goal.pose = InMap(x, y, yaw);
-    Send(*goal_, goal);
-  } else if (order == "place") {
-    messages::PoseWithCovarianceStamped place;
-    place.header = HeaderOf(base::MonotonicTime(robot_->now()), "map");
-    place.pose.pose = InMap(x, y, yaw);
-    Send(*initial_pose_, place);
-  } else if (order == "jump") {
-    jump_ns_ += static_cast<int64_t>(x * 1e9);
-  } else if (order == "nonsense") {
-    SendNonsense();
-  } else {
-    std::fprintf(stderr, "what is '%s'?\n", line.c_str());
+  }
+  while (!waiting_.empty() && CanObey(waiting_.front())) {
+    Obey(waiting_.front());
+    waiting_.pop_front();
+  }
+}
+
+void SimulatedRobot::DriveTour() {
+  simulator::TourOptions options;
+  options.speed_mps = kTourSpeed_mps;
+  std::vector<geometry::Vec3> corners;
+  for (const worlds::Float3& corner : robot_->world().tour) {
+    corners.push_back({static_cast<double>(corner.x),
+                       static_cast<double>(corner.y),
+                       static_cast<double>(corner.z)});
+  }
+  tour_ = std::make_unique<simulator::TourDriver>(corners, options);
+}
+
+void SimulatedRobot::Obey(const RobotOrder& order) {
+  const messages::Header now =
+      HeaderOf(base::MonotonicTime(robot_->now()), "map");
+  switch (order.kind) {
+    case RobotOrder::Kind::kTour:
+      return DriveTour();
+    case RobotOrder::Kind::kKidnap: {
+      const absl::Status status = robot_->Kidnap(
+          {.position = {order.x_m, order.y_m}, .yaw_rad = order.yaw_rad});
+      if (!status.ok()) {
+        std::fprintf(stderr, "%s\n", std::string(status.message()).c_str());
+      }
+      return;
+    }
+    case RobotOrder::Kind::kGoal:
+      return Send(*goal_,
+                  messages::PoseStamped{.header = now, .pose = InMap(order)});
+    case RobotOrder::Kind::kPlace: {
+      messages::PoseWithCovarianceStamped place;
+      place.header = now;
+      place.pose.pose = InMap(order);
+      return Send(*initial_pose_, place);
+    }
+    case RobotOrder::Kind::kSilence:
+      silent_until_[order.topic] =
+          robot_->now() + simulator::FromSeconds(order.seconds);
+      return;
+    case RobotOrder::Kind::kJump:
+      jump_ns_ += static_cast<int64_t>(order.seconds * 1e9);
+      return;
+    case RobotOrder::Kind::kNonsense:
+      return SendNonsense();
   }
 }
 
@@ -472,9 +475,7 @@ void SimulatedRobot::SendNonsense() {
   Send(*odom_, odometry);
   // A scan whose bytes end too early.
   const std::vector<uint8_t> bytes = messages::Encode(scan);
-  if (!scan_->Publish(std::span(bytes).first(bytes.size() / 2)).ok()) {
-    std::abort();
-  }
+  sent_.Update(scan_->Publish(std::span(bytes).first(bytes.size() / 2)));
 }
 
 void SimulatedRobot::Tell() {
@@ -490,21 +491,21 @@ void SimulatedRobot::Tell() {
       command_.yaw_rate_radps, static_cast<long long>(commands_), map_cells_,
       plan_poses_);
   const auto tell_off = [this](const char* name,
-                               const geometry::Rigid2& map_from_base) {
-    const geometry::Rigid2 off = TrueMapFromBase().Inverse() * map_from_base;
+                               const absl::StatusOr<geometry::Rigid3>& found,
+                               const geometry::Rigid2& frame_from_base) {
+    if (!found.ok()) return;
+    const geometry::Rigid2 off = TrueMapFromBase().Inverse() *
+                                 geometry::PlanarPose(*found) * frame_from_base;
     std::printf(" %s=%.3f,%.3f", name, geometry::Norm(off.translation),
                 std::abs(off.yaw_rad));
   };
   if (place_.has_value()) {
-    tell_off("place_off", geometry::PlanarPose(
-                              conversions::RigidOf(place_->pose.pose).value()));
+    tell_off("place_off", conversions::RigidOf(place_->pose.pose), {});
   }
-  if (frames_.has_value()) {
-    tell_off(
-        "tf_off",
-        geometry::PlanarPose(
-            conversions::RigidOf(frames_->transforms.at(0).transform).value()) *
-            odom_from_base_);
+  if (frames_.has_value() && !frames_->transforms.empty()) {
+    tell_off("tf_off",
+             conversions::RigidOf(frames_->transforms.front().transform),
+             odom_from_base_);
   }
   for (const auto& [name, message] : diagnostics_) {
     std::printf(" [%s=%s]", name.c_str(), message.c_str());
@@ -513,51 +514,47 @@ void SimulatedRobot::Tell() {
   std::fflush(stdout);
 }
 
-int Play(int domain_id, const std::string& world, double pace, double camera_hz,
-         bool is_plain) {
+simulator::Scenario ScenarioOf(const Ros2RobotOptions& options) {
   simulator::Scenario scenario;
-  scenario.world = world;
-  scenario.world_options.with_people = false;
-  scenario.world_options.paint = camera_hz > 0;
-  scenario.options.seed = 5;
-  scenario.options.sensors.camera_hz = camera_hz;
+  scenario.world = options.world;
+  scenario.world_options.with_people = options.has_people;
+  scenario.world_options.paint = options.camera_hz > 0;
+  scenario.options.seed = options.seed;
+  scenario.options.sensors.camera_hz = options.camera_hz;
   scenario.options.sensors.camera_is_lit = false;
-  scenario.options.sensors.has_rear_laser = !is_plain;
-  if (is_plain) {
+  scenario.options.sensors.has_rear_laser = !options.is_plain;
+  if (options.is_plain) {
     sensors::LaserScannerOptions& laser = scenario.options.sensors.laser;
     laser.beams = 541;
     laser.angle_increment_rad *= 2;
     laser.scan_interval_s = 0.05;
     laser.beam_interval_s *= 4;
   }
-  const auto fail = [](const absl::Status& status) {
-    std::fprintf(stderr, "%s\n", status.ToString().c_str());
-    return 1;
-  };
-  auto made = worlds::MakeWorld(scenario.world, scenario.world_options);
-  if (!made.ok()) return fail(made.status());
-  const auto start = simulator::StartOf(scenario, *made);
-  if (!start.ok()) return fail(start.status());
-  scenario.options.start = *start;
-  auto robot = simulator::Simulator::Create(*std::move(made), scenario.options);
-  if (!robot.ok()) return fail(robot.status());
-  const auto domain = dds::Domain::Join({.id = domain_id, .interface = "lo"});
-  if (!domain.ok()) return fail(domain.status());
-  const auto node = dds::Node::Create(**domain, {.node = "robot"});
-  if (!node.ok()) return fail(node.status());
-  SimulatedRobot(**node, *std::move(robot), pace, camera_hz > 0).Run();
-  return 0;
+  return scenario;
 }
 
 }  // namespace
-}  // namespace treeline
 
-int main(int argc, char** argv) {
-  if (argc != 5 && argc != 6) {
-    std::fprintf(stderr, "usage: %s DOMAIN WORLD PACE CAMERA_HZ [plain]\n",
-                 argv[0]);
-    return 2;
-  }
-  return treeline::Play(std::atoi(argv[1]), argv[2], std::atof(argv[3]),
-                        std::atof(argv[4]), argc == 6);
+absl::Status Ros2RobotOptions::Validate() const {
+  TL_RETURN_IF_ERROR(base::CheckRange("pace", pace, 0, 100));
+  return base::CheckRange("camera_hz", camera_hz, 0, 30);
 }
+
+absl::Status PlayRos2Robot(const Ros2RobotOptions& options,
+                           const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  simulator::Scenario scenario = ScenarioOf(options);
+  TL_ASSIGN_OR_RETURN(worlds::World world, simulator::MakeWorldOf(scenario));
+  TL_ASSIGN_OR_RETURN(
+      std::unique_ptr<simulator::Simulator> robot,
+      simulator::Simulator::Create(std::move(world), scenario.options));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Domain> domain,
+                      dds::Domain::Join(options.domain));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Node> node,
+                      dds::Node::Create(*domain, options.node));
+  return SimulatedRobot(*node, std::move(robot), options.pace,
+                        options.camera_hz > 0)
+      .Run(stop);
+}
+
+}  // namespace treeline::ros2_robot
