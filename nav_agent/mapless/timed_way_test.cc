@@ -44,7 +44,7 @@ TEST_F(TimedWayTest, WaitingCostsWhatDrivingWouldHaveGained) {
   timed_.Update(way_, {&mover, 1}, {0, 0});
   // A second later at the same place: 2 m less can be driven in what is left.
   EXPECT_NEAR(timed_.ToGo({0, 0}, 1), timed_.ToGo({0, 0}, 0), 0.1);
-  EXPECT_NEAR(timed_.ToGo({0, 0}, 0) - timed_.ToGo({2, 0}, 0), 2, 0.3);
+  EXPECT_NEAR(timed_.ToGo({0, 0}, 1) - timed_.ToGo({2, 0}, 1), 2, 0.3);
 }
 
 TEST_F(TimedWayTest, WhoHasArrivedWaitsForNothing) {
