@@ -38,9 +38,9 @@ class TimedWay {
   double ToGo(geometry::Vec2 point, double time_s) const;
 
  private:
-  // As far as the fastest robot goes in all layers: 7 m in 3.25 s.
-  static constexpr int kColumns = 57;
-  static constexpr int kLayers = 14;
+  // 12.25 m in each direction, 3.75 s.
+  static constexpr int kColumns = 49;
+  static constexpr int kLayers = 16;
 
   size_t IndexOf(int layer, int x, int y) const {
     return (static_cast<size_t>(layer) * kColumns + static_cast<size_t>(y)) *

@@ -43,8 +43,8 @@ TEST_F(TimedWayTest, WaitingCostsWhatDrivingWouldHaveGained) {
       .in_map = {0, 9}, .velocity_mps = {0, 0.1}, .radius_m = 0.5};
   timed_.Update(way_, {&mover, 1}, {0, 0});
   // A second later at the same place: 2 m less can be driven in what is left.
-  EXPECT_NEAR(timed_.ToGo({0, 0}, 1), timed_.ToGo({0, 0}, 0), 0.1);
-  EXPECT_NEAR(timed_.ToGo({0, 0}, 1) - timed_.ToGo({2, 0}, 1), 2, 0.3);
+  EXPECT_NEAR(timed_.ToGo({0, 0}, 3), timed_.ToGo({0, 0}, 2), 0.1);
+  EXPECT_NEAR(timed_.ToGo({0, 0}, 2) - timed_.ToGo({2, 0}, 2), 2, 0.3);
 }
 
 TEST_F(TimedWayTest, WhoHasArrivedWaitsForNothing) {
