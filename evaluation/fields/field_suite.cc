@@ -43,10 +43,11 @@ class FieldDrive {
   static absl::StatusOr<std::unique_ptr<FieldDrive>> Begin(
       const FieldOptions& options) {
     auto drive = std::make_unique<FieldDrive>();
-    TL_ASSIGN_OR_RETURN(worlds::World world,
-                        worlds::MakeWorld(options.world, {.with_people = false,
-                                                          .threads = 1,
-                                                          .paint = false}));
+    TL_ASSIGN_OR_RETURN(
+        worlds::World world,
+        worlds::MakeWorld(options.world, {.with_people = options.with_movers,
+                                          .threads = 1,
+                                          .paint = false}));
     TL_ASSIGN_OR_RETURN(const geometry::Rigid2 start, PlaceOf(world, "start"));
     TL_ASSIGN_OR_RETURN(drive->goal_, PlaceOf(world, "goal"));
     drive->start_ = start;
@@ -110,6 +111,8 @@ class FieldDrive {
     run_.goal_off_m = geometry::Norm(position - goal_.translation);
     if (run_.record.CollisionsOfRobot() > 0) {
       run_.outcome = FieldOutcome::kTouched;
+    } else if (run_.record.Count(simulator::SimEventKind::kCollision) > 0) {
+      run_.outcome = FieldOutcome::kStruck;
     } else if (run_.goal_off_m <= kReached_m) {
       run_.outcome = FieldOutcome::kReached;
     } else if (run_.time_s >= kLongest_s ||
@@ -174,6 +177,8 @@ const char* FieldOutcomeName(FieldOutcome outcome) {
       return "reached";
     case FieldOutcome::kTouched:
       return "touched";
+    case FieldOutcome::kStruck:
+      return "struck";
     case FieldOutcome::kFailed:
       return "failed";
     case FieldOutcome::kTimeout:

@@ -1,6 +1,6 @@
-// Fields of cylinders, driven through as in the BARN challenge: the goal is 10
-// m ahead, nothing is known beforehand, a touch ends it. docs/reference/
-// suites.md.
+// Fields of cylinders, driven through as in the BARN challenge and DynaBARN:
+// the goal is straight ahead, nothing is known beforehand, a touch ends it.
+// docs/reference/ suites.md.
 #ifndef EVALUATION_FIELDS_FIELD_SUITE_H_
 #define EVALUATION_FIELDS_FIELD_SUITE_H_
 
@@ -23,15 +23,19 @@ inline constexpr double kOptimal_mps = 2.0;
 
 enum class FieldOutcome : uint8_t {
   kReached,
-  kTouched,  // something; the run ends there
+  kTouched,  // it ran into something; the run ends there
+  kStruck,   // something ran into it while it stood; there, too
   kFailed,   // it gave up: cause and why
   kTimeout
 };
 const char* FieldOutcomeName(FieldOutcome outcome);
 
 struct FieldOptions {
-  // "field:N", or a world file with places "start" and "goal".
+  // "field:N", "moving-field:N", or a world file with places "start" and
+  // "goal".
   std::string world;
+  // What moves there moves; false: it is left out.
+  bool with_movers = false;
   // Of the sensors' and the wheels' noise.
   uint64_t seed = 0;
   core::RobotDescription robot;

@@ -14,6 +14,7 @@ FieldRun DriveThrough(const std::string& world, uint64_t seed) {
   options.world = world;
   options.seed = seed;
   options.robot = *core::ReadRobot("jackal");
+  options.with_movers = true;
   const auto run = RunField(options, {});
   EXPECT_TRUE(run.ok()) << run.status();
   return run.ok() ? *run : FieldRun();
@@ -28,6 +29,16 @@ TEST(FieldSuite, AJackalGetsThroughFieldsThatItKnowsNothingOf) {
     EXPECT_GT(run.Score(), 0.3) << world;
     EXPECT_LE(run.Score(), 0.5) << world;
     EXPECT_GE(run.best_way_m, 10) << world;
+  }
+}
+
+TEST(FieldSuite, AJackalCrossesFieldsThatMove) {
+  // An easy one and a hard one.
+  for (const char* world : {"moving-field:1", "moving-field:3"}) {
+    const FieldRun run = DriveThrough(world, 1);
+    EXPECT_EQ(run.outcome, FieldOutcome::kReached) << world << ": " << run.why;
+    EXPECT_EQ(run.collisions, 0) << world;
+    EXPECT_DOUBLE_EQ(run.best_way_m, 20) << world;
   }
 }
 

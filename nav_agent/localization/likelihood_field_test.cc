@@ -92,5 +92,28 @@ TEST(PointsOf, ChoosesEvenlyAmongBeamsThatEnd) {
             "a scan of 4 beams; the sensor has 5");
 }
 
+TEST(PointsOf, WhatIsNearCountsByItsWidthAndNotByItsAngle) {
+  // A quarter of the beams end on a box at 0.4 m, the others on a wall around
+  // at 5 m: 0.6 m against 23 m.
+  const core::RangeSensorInfo info = {.angle_min_rad = -3,
+                                      .angle_increment_rad = 0.006,
+                                      .beams = 1000,
+                                      .range_min_m = 0.1,
+                                      .range_max_m = 30,
+                                      .beam_interval_s = 0,
+                                      .scan_interval_s = 0.1};
+  core::LaserScan scan;
+  scan.ranges_m.assign(1000, 5);
+  for (size_t i = 375; i < 625; ++i) scan.ranges_m[i] = 0.4F;
+  const ScanPoints points = *PointsOf(scan, info, {}, 60);
+  ASSERT_EQ(points.size(), 60u);
+  int near = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    near += std::hypot(points.x_m[i], points.y_m[i]) < 1 ? 1 : 0;
+  }
+  EXPECT_GE(near, 1);
+  EXPECT_LE(near, 3);
+}
+
 }  // namespace
 }  // namespace treeline::localization

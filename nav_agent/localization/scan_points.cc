@@ -6,13 +6,26 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 
 namespace {
 
-// Which beams: at most max_points of those that have an end. Choosing among
-// them keeps the number up where half of the scan looks into the open.
+// What is near fills many beams, and tells no more than what is far and as
+// wide: neighbouring ends that count are two cells of the map apart.
+constexpr double kEndsApart_m = 2 * kVoxel_m;
+
+geometry::Vec2 EndInLaser(const core::LaserScan& scan,
+                          const core::RangeSensorInfo& info, int beam) {
+  const double range_m = scan.ranges_m[static_cast<size_t>(beam)];
+  const double angle_rad = info.AngleOf_rad(beam);
+  return {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+}
+
+// Which beams: of those that have an end, those that end apart; of these at
+// most max_points. Choosing among them keeps the number up where half of the
+// scan looks into the open.
 absl::StatusOr<std::vector<int>> ChosenBeams(const core::LaserScan& scan,
                                              const core::RangeSensorInfo& info,
                                              int max_points) {
@@ -23,12 +36,17 @@ absl::StatusOr<std::vector<int>> ChosenBeams(const core::LaserScan& scan,
   }
   std::vector<int> ended;
   ended.reserve(scan.ranges_m.size());
+  geometry::Vec2 last;
   for (int i = 0; i < beams; ++i) {
     const double range_m = scan.ranges_m[static_cast<size_t>(i)];
-    if (std::isfinite(range_m) && range_m >= info.range_min_m &&
-        range_m < info.range_max_m) {
-      ended.push_back(i);
+    if (!std::isfinite(range_m) || range_m < info.range_min_m ||
+        range_m >= info.range_max_m) {
+      continue;
     }
+    const geometry::Vec2 end = EndInLaser(scan, info, i);
+    if (!ended.empty() && geometry::Norm(end - last) < kEndsApart_m) continue;
+    last = end;
+    ended.push_back(i);
   }
   const int64_t count = static_cast<int64_t>(ended.size());
   const int64_t chosen = std::min<int64_t>(count, max_points);
@@ -40,13 +58,6 @@ absl::StatusOr<std::vector<int>> ChosenBeams(const core::LaserScan& scan,
         ended[static_cast<size_t>((2 * k + 1) * count / (2 * chosen))]);
   }
   return result;
-}
-
-geometry::Vec2 EndInLaser(const core::LaserScan& scan,
-                          const core::RangeSensorInfo& info, int beam) {
-  const double range_m = scan.ranges_m[static_cast<size_t>(beam)];
-  const double angle_rad = info.AngleOf_rad(beam);
-  return {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ struct ScanPoints {
   void Add(const ScanPoints& from, size_t i);
 };
 
-// Of at most max_points beams, evenly spread over the scan. Beams without a
-// return, and ranges outside of the sensor's own, have no end. INVALID_ARGUMENT
-// if the scan has another number of beams than `info` says.
+// Of at most max_points beams, evenly spread over what is seen, by its width:
+// of those that end 0.1 m apart. No return, or one out of the laser's range, is
+// no end. INVALID_ARGUMENT: not as many beams as `info` says.
 absl::StatusOr<ScanPoints> PointsOf(const core::LaserScan& scan,
                                     const core::RangeSensorInfo& info,
                                     const geometry::Rigid2& base_from_laser,

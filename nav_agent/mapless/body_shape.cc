@@ -12,6 +12,8 @@ constexpr double kRimStep_m = 0.05;
 
 BodyShape::BodyShape(const core::RobotModel& robot, double margin_m)
     : margin_m_(margin_m),
+      low_{-robot.rear_m, -robot.half_width_m},
+      high_{robot.front_m, robot.half_width_m},
       inner_m_(std::min({robot.front_m, robot.rear_m, robot.half_width_m}) +
                margin_m),
       outer_m_(robot.Circumradius_m() + margin_m) {
@@ -47,6 +49,13 @@ double BodyShape::RoomAt_m(const ClearanceWindow& clearance,
     if (room_m < 0) break;
   }
   return room_m;
+}
+
+double BodyShape::DistanceTo_m(const geometry::Rigid2& map_from_base,
+                               geometry::Vec2 point_in_map) const {
+  const geometry::Vec2 at = map_from_base.Inverse() * point_in_map;
+  return std::hypot(std::max({0.0, low_.x - at.x, at.x - high_.x}),
+                    std::max({0.0, low_.y - at.y, at.y - high_.y}));
 }
 
 }  // namespace treeline::mapless

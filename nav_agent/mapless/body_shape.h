@@ -23,9 +23,15 @@ class BodyShape {
   // negative number: they touch. Beyond wanted_m it is not told how much.
   double RoomAt_m(const ClearanceWindow& clearance,
                   const geometry::Rigid2& map_from_base, double wanted_m) const;
+  // From the body, without its margin, to a point (m); 0: it is within.
+  double DistanceTo_m(const geometry::Rigid2& map_from_base,
+                      geometry::Vec2 point_in_map) const;
 
  private:
   double margin_m_;
+  // The body's corners, in the base's frame.
+  geometry::Vec2 low_;
+  geometry::Vec2 high_;
   double inner_m_;
   double outer_m_;
   // Points of the rim, in the base's frame.

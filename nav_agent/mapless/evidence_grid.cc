@@ -32,6 +32,11 @@ core::Occupancy EvidenceGrid::At(core::CellIndex cell) const {
   return evidence > 0 ? core::Occupancy::kOccupied : core::Occupancy::kFree;
 }
 
+bool EvidenceGrid::HasStood(core::CellIndex cell, uint32_t scans) const {
+  if (At(cell) != core::Occupancy::kOccupied) return false;
+  return scans_ - since_[IndexOf(cell)] >= scans;
+}
+
 bool EvidenceGrid::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
   if (width_ == 0) {
     origin_ = {std::floor((low.x - kGrowth_m) / cell_m_) * cell_m_,
@@ -60,12 +65,15 @@ bool EvidenceGrid::MakeRoomFor(geometry::Vec2 low, geometry::Vec2 high) {
   if (columns > max_cells_ || rows > max_cells_) return false;
   const auto size = static_cast<size_t>(columns) * static_cast<size_t>(rows);
   std::vector<int8_t> evidence(size, kUnseen);
+  std::vector<uint32_t> since(size, 0);
   for (int y = 0; y < height_; ++y) {
-    std::copy_n(
-        evidence_.begin() + static_cast<ptrdiff_t>(IndexOf({0, y})), width_,
-        evidence.begin() + static_cast<ptrdiff_t>(y + below) * columns + left);
+    const auto from = static_cast<ptrdiff_t>(IndexOf({0, y}));
+    const ptrdiff_t to = static_cast<ptrdiff_t>(y + below) * columns + left;
+    std::copy_n(evidence_.begin() + from, width_, evidence.begin() + to);
+    std::copy_n(since_.begin() + from, width_, since.begin() + to);
   }
   evidence_ = std::move(evidence);
+  since_ = std::move(since);
   touched_.assign(size, 0);
   scan_ = 0;
   origin_ = {origin_.x - left * cell_m_, origin_.y - below * cell_m_};
@@ -87,12 +95,14 @@ void EvidenceGrid::AddScan(std::span<const GridBeam> beams) {
   }
   MakeRoomFor(low, high);
   ++scan_;
+  ++scans_;
   for (const GridBeam& beam : beams) {
     const core::CellIndex cell = CellOf(beam.to);
-    if (!Contains(cell)) continue;
+    if (beam.is_on_mover || !Contains(cell)) continue;
     const size_t index = IndexOf(cell);
     if (touched_[index] == scan_) continue;
     touched_[index] = scan_;
+    if (evidence_[index] <= 0) since_[index] = scans_;
     const int evidence = std::max<int>(evidence_[index], -kHitEvidence + 1);
     evidence_[index] = static_cast<int8_t>(
         std::min<int>(evidence + kHitEvidence, kMaxEvidence));
@@ -141,6 +151,22 @@ void EvidenceGrid::Pass(const GridBeam& beam) {
 void EvidenceGrid::Mark(geometry::Vec2 point) {
   if (!MakeRoomFor(point, point)) return;
   evidence_[IndexOf(CellOf(point))] = kMaxEvidence;
+}
+
+void EvidenceGrid::ForgetNew(geometry::Vec2 center, double radius_m,
+                             uint32_t scans) {
+  const geometry::Vec2 reach = {radius_m, radius_m};
+  const core::CellIndex low = CellOf(center - reach);
+  const core::CellIndex high = CellOf(center + reach);
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      const core::CellIndex cell = {x, y};
+      if (At(cell) == core::Occupancy::kOccupied && !HasStood(cell, scans) &&
+          geometry::Norm(CenterOf(cell) - center) <= radius_m) {
+        evidence_[IndexOf(cell)] = 0;
+      }
+    }
+  }
 }
 
 void EvidenceGrid::Clear() {

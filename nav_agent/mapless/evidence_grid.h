@@ -16,6 +16,8 @@ namespace treeline::mapless {
 struct GridBeam {
   geometry::Vec2 from;
   geometry::Vec2 to;
+  // What it met moves, and is no part of the map.
+  bool is_on_mover = false;
 };
 
 // Evidence by cell: beams that end there against beams that pass. What was
@@ -41,11 +43,15 @@ class EvidenceGrid {
   // Something is known to stand there; beams that pass can say otherwise.
   void Mark(geometry::Vec2 point);
   void Clear();
+  // What came into this circle less than `scans` scans ago has left it.
+  void ForgetNew(geometry::Vec2 center, double radius_m, uint32_t scans);
 
   core::CellIndex CellOf(geometry::Vec2 point) const;
   geometry::Vec2 CenterOf(core::CellIndex cell) const;
   // What lies outside is unknown.
   core::Occupancy At(core::CellIndex cell) const;
+  // Something has stood there for so many scans of late, or longer.
+  bool HasStood(core::CellIndex cell, uint32_t scans) const;
   // A part: 1 where something stands, 0 elsewhere; rows from (x0, y0).
   std::vector<uint8_t> ObstaclesIn(int x0, int y0, int columns, int rows) const;
   // All of it, for pictures.
@@ -75,7 +81,11 @@ class EvidenceGrid {
   std::vector<int8_t> evidence_;
   // The scan that touched a cell last.
   std::vector<uint32_t> touched_;
+  // Since which scan something has stood there.
+  std::vector<uint32_t> since_;
   uint32_t scan_ = 0;
+  // Scans since the beginning.
+  uint32_t scans_ = 0;
 };
 
 }  // namespace treeline::mapless

@@ -38,6 +38,8 @@ GoalDrive::GoalDrive(const core::RobotModel& robot,
       events_(events),
       body_(robot, kBodyMargin_m),
       way_(body_),
+      timed_way_(0.5 * (body_.inner_m() + body_.outer_m()) - kBodyMargin_m,
+                 LimitOf(options.max_forward_mps, robot.max_forward_mps)),
       rollouts_(robot, body_,
                 {.max_forward_mps =
                      LimitOf(options.max_forward_mps, robot.max_forward_mps),
@@ -66,6 +68,7 @@ uint64_t GoalDrive::Begin(const behavior::NavigationGoal& goal,
 
 void GoalDrive::ForgetWay() {
   way_.Restart();
+  timed_way_.Clear();
   rollouts_.Restart();
   planned_.reset();
   has_way_ = false;
@@ -148,16 +151,17 @@ void GoalDrive::WatchProgress(const RobotMotion& motion,
 }
 
 core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
-                                       const ClearanceWindow& clearance,
+                                       const Surroundings& around,
                                        base::MonotonicTime now) {
   if (back_off_until_.has_value()) {
-    if (now < *back_off_until_) return rollouts_.BackOff(motion, clearance);
+    if (now < *back_off_until_) return rollouts_.BackOff(motion, around);
     back_off_until_.reset();
     stands_since_.reset();
     rollouts_.Restart();
   }
   const std::optional<core::VelocityCommand> best =
-      has_way_ ? rollouts_.Best(motion, clearance, way_) : std::nullopt;
+      has_way_ ? rollouts_.Best(motion, around, way_, timed_way_)
+               : std::nullopt;
   const bool stands = std::abs(motion.forward_mps) < kStanding_mps &&
                       std::abs(motion.yaw_rate_radps) < kStanding_radps;
   if (!stands) {
@@ -187,21 +191,30 @@ RobotMotion GoalDrive::MotionAhead(const ReckonedPose& pose,
       .yaw_rate_radps = pose.yaw_rate_radps};
 }
 
+Surroundings GoalDrive::AroundAt(const ReckonedPose& pose,
+                                 const EvidenceGrid& map,
+                                 const MoverTracker& movers,
+                                 base::MonotonicTime now) const {
+  const geometry::Vec2 position = pose.map_from_base.translation;
+  const geometry::Vec2 reach = {kWindow_m, kWindow_m};
+  return {.clearance = ClearanceWindow(map, position - reach, position + reach),
+          .movers = movers.MoversAt(After(now, 1 / options_.control_hz))};
+}
+
 core::VelocityCommand GoalDrive::Allow(const ReckonedPose& pose,
                                        const core::VelocityCommand& command,
                                        const core::VelocityCommand& wanted,
                                        const EvidenceGrid& map,
+                                       const MoverTracker& movers,
                                        base::MonotonicTime now) const {
-  const geometry::Vec2 position = pose.map_from_base.translation;
-  const geometry::Vec2 reach = {kWindow_m, kWindow_m};
-  return rollouts_.Allow(
-      MotionAhead(pose, command, now),
-      ClearanceWindow(map, position - reach, position + reach), wanted);
+  return rollouts_.Allow(MotionAhead(pose, command, now),
+                         AroundAt(pose, map, movers, now), wanted);
 }
 
 core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
                                       const core::VelocityCommand& command,
                                       EvidenceGrid& map,
+                                      const MoverTracker& movers,
                                       base::MonotonicTime now) {
   if (!is_active_) return {};
   const geometry::Vec2 position = pose.map_from_base.translation;
@@ -210,8 +223,7 @@ core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
   }
   last_position_ = position;
   const RobotMotion motion = MotionAhead(pose, command, now);
-  const geometry::Vec2 reach = {kWindow_m, kWindow_m};
-  const ClearanceWindow clearance(map, position - reach, position + reach);
+  const Surroundings around = AroundAt(pose, map, movers, now);
   if (Arrives(motion, now)) {
     const double off_rad = geometry::NormalizedAngle_rad(
         Target().yaw_rad - motion.map_from_base.yaw_rad);
@@ -220,7 +232,7 @@ core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
                            std::abs(off_rad) < options_.goal_tolerance_rad;
     if (!is_turned) {
       const core::VelocityCommand turn =
-          rollouts_.Turn(motion, clearance, off_rad);
+          rollouts_.Turn(motion, around, off_rad);
       if (turn.yaw_rate_radps != 0 ||
           std::abs(pose.forward_mps) > kStanding_mps) {
         return turn;
@@ -237,7 +249,8 @@ core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
   if (!is_active_) return {};
   WatchProgress(motion, now);
   if (!is_active_) return {};
-  return Drive(motion, clearance, now);
+  timed_way_.Update(way_, around.movers, motion.map_from_base.translation);
+  return Drive(motion, around, now);
 }
 
 }  // namespace treeline::mapless

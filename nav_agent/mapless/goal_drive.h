@@ -32,13 +32,15 @@ class GoalDrive {
   // when nothing leads to the goal any more.
   core::VelocityCommand Step(const ReckonedPose& pose,
                              const core::VelocityCommand& command,
-                             EvidenceGrid& map, base::MonotonicTime now);
+                             EvidenceGrid& map, const MoverTracker& movers,
+                             base::MonotonicTime now);
 
   // As much of a command of somebody else as what is seen allows.
   core::VelocityCommand Allow(const ReckonedPose& pose,
                               const core::VelocityCommand& command,
                               const core::VelocityCommand& wanted,
                               const EvidenceGrid& map,
+                              const MoverTracker& movers,
                               base::MonotonicTime now) const;
 
   bool is_active() const { return is_active_; }
@@ -55,11 +57,14 @@ class GoalDrive {
   RobotMotion MotionAhead(const ReckonedPose& pose,
                           const core::VelocityCommand& command,
                           base::MonotonicTime now) const;
+  Surroundings AroundAt(const ReckonedPose& pose, const EvidenceGrid& map,
+                        const MoverTracker& movers,
+                        base::MonotonicTime now) const;
   bool Arrives(const RobotMotion& motion, base::MonotonicTime now);
   void Plan(const RobotMotion& motion, EvidenceGrid& map,
             base::MonotonicTime now);
   core::VelocityCommand Drive(const RobotMotion& motion,
-                              const ClearanceWindow& clearance,
+                              const Surroundings& around,
                               base::MonotonicTime now);
   void WatchProgress(const RobotMotion& motion, base::MonotonicTime now);
 
@@ -67,6 +72,7 @@ class GoalDrive {
   behavior::EventLog& events_;
   BodyShape body_;
   WayField way_;
+  TimedWay timed_way_;
   RolloutController rollouts_;
 
   behavior::NavigationGoal goal_;

@@ -99,6 +99,7 @@ class MaplessNavigator final : public behavior::Navigator {
   behavior::ManualDrive manual_;
   DeadReckoning reckoning_;
   EvidenceGrid map_;
+  MoverTracker movers_;
   GoalDrive drive_;
 
   base::MonotonicTime now_;
@@ -162,6 +163,7 @@ void MaplessNavigator::FeedScans() {
     for (const core::LaserScan& scan : scans) {
       std::vector<GridBeam> beams = BeamsOf(
           scan, laser.Info(), robot_.BaseFrom(mount), reckoning_, max_range_m_);
+      movers_.Add(scan.stamp, beams, map_);
       map_.AddScan(beams);
       if (!beams.empty()) shown_beams_ = std::move(beams);
     }
@@ -195,14 +197,14 @@ core::VelocityCommand MaplessNavigator::Decide() {
   if (const auto wanted = manual_.Wanted(now_)) {
     mode_ = NavigatorMode::kManual;
     cause_text_ = "driven by hand";
-    return drive_.Allow(*pose, command_, *wanted, map_, now_);
+    return drive_.Allow(*pose, command_, *wanted, map_, movers_, now_);
   }
   if (is_paused_) {
     mode_ = NavigatorMode::kPaused;
     return {};
   }
   const core::VelocityCommand command =
-      drive_.Step(*pose, command_, map_, now_);
+      drive_.Step(*pose, command_, map_, movers_, now_);
   mode_ = !drive_.is_active()           ? NavigatorMode::kIdle
           : drive_.is_backing_off()     ? NavigatorMode::kRecovering
           : drive_.way().path().empty() ? NavigatorMode::kPlanning
@@ -289,6 +291,7 @@ absl::Status MaplessNavigator::SetPose(
   reckoning_.SetPose(at);
   // What was seen lies elsewhere now.
   map_.Clear();
+  movers_.Clear();
   MarkKnown();
   drive_.ForgetWay();
   events_.Add("pose", absl::StrFormat("told to be at (%.2f, %.2f)",

@@ -66,6 +66,29 @@ inline constexpr base::Parameter<double> kStuck_s{
 inline constexpr base::Parameter<double> kBackOff_s{
     "back_off", 1.0, "s", base::ParameterOrigin::kTuned, "for so long"};
 
+// ---- What moves ----
+
+inline constexpr base::Parameter<int> kFittedScans{
+    "mover_fitted_scans", 14, "scans", base::ParameterOrigin::kTuned,
+    "place and speed of what moves are those of a straight line through so "
+    "many, 0.35 s"};
+inline constexpr base::Parameter<double> kMoverMemory_s{
+    "mover_memory", 1.5, "s", base::ParameterOrigin::kTuned,
+    "out of sight it moves on as it did, for so long"};
+inline constexpr base::Parameter<double> kMoverSpread_m{
+    "mover_spread", 0.06, "m", base::ParameterOrigin::kTuned,
+    "how far off what moves may be of where it is seen"};
+inline constexpr base::Parameter<double> kMoverSpread_mps{
+    "mover_spread_rate", 0.12, "m/s", base::ParameterOrigin::kTuned,
+    "and so much further each second that it is foretold"};
+inline constexpr base::Parameter<double> kTouchCost_mps{
+    "touch_cost", 60, "m/s", base::ParameterOrigin::kTuned,
+    "a second of touching what moves is as dear as so many metres of way"};
+
+inline constexpr base::Parameter<double> kBlindCost{
+    "blind_cost", 3, "", base::ParameterOrigin::kTuned,
+    "a metre backwards among what moves, where no laser looks, costs so many"};
+
 // All of the folder.
 std::vector<base::ParameterRow> MaplessParameters();
 

@@ -7,6 +7,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/mapless/body_shape.h"
+#include "nav_agent/mapless/timed_way.h"
 #include "nav_agent/mapless/way_field.h"
 
 namespace treeline::mapless {
@@ -24,11 +25,19 @@ struct RobotMotion {
   double yaw_rate_radps = 0;
 };
 
+// What is around the robot, at the time from which rollouts begin.
+struct Surroundings {
+  ClearanceWindow clearance;
+  std::vector<Mover> movers = {};
+};
+
 // Each rollout is a speed and a curve, and another curve after kFirstPart_s,
 // as the robot's accelerations let it follow them; at its end it brakes. One is
 // possible if the body touches nothing of the map on all of that, so that the
 // robot can always stop. The best is the one from whose end the least is to go
-// (WayField); speed is limited by the room beside the body. The dynamic window
+// (WayField); speed is limited by the room beside the body. Among what moves,
+// the threat of each moment counts, and what is to go from its end at that time
+// (TimedWay); it may drive backwards then. The dynamic window
 // approach (Fox, Burgard, Thrun 1997) with two curves and a distance to the
 // goal that knows the way. Deterministic; not thread-safe.
 class RolloutController {
@@ -38,19 +47,19 @@ class RolloutController {
 
   // nullopt: none is possible that gets on; the robot should stand.
   std::optional<core::VelocityCommand> Best(const RobotMotion& motion,
-                                            const ClearanceWindow& clearance,
-                                            const WayField& way);
+                                            const Surroundings& around,
+                                            const WayField& way,
+                                            const TimedWay& timed);
   // The one of backing off and turning on the spot that ends with the most
   // room; standing, if none is possible.
   core::VelocityCommand BackOff(const RobotMotion& motion,
-                                const ClearanceWindow& clearance);
+                                const Surroundings& around);
   // A turn on the spot by about this angle, as far as it is possible.
   core::VelocityCommand Turn(const RobotMotion& motion,
-                             const ClearanceWindow& clearance,
-                             double by_rad) const;
+                             const Surroundings& around, double by_rad) const;
   // The largest part of a command of somebody else that is possible.
   core::VelocityCommand Allow(const RobotMotion& motion,
-                              const ClearanceWindow& clearance,
+                              const Surroundings& around,
                               const core::VelocityCommand& wanted) const;
   // Another goal: the last command means nothing.
   void Restart() { last_.reset(); }
@@ -65,14 +74,20 @@ class RolloutController {
     double min_room_m = 0;
     // Of speed beyond what room allows, summed over time (m).
     double haste_m = 0;
+    // Of what moves, over all of it (m).
+    double threat_m = 0;
   };
 
   std::optional<Outcome> TryOut(const RobotMotion& motion, const Choice& choice,
-                                const ClearanceWindow& clearance) const;
+                                const Surroundings& around) const;
   void Advance(RobotMotion& motion, double forward_mps, double yaw_rate_radps,
                double dt_s) const;
+  double ThreatAt_mps(const geometry::Rigid2& map_from_base,
+                      const std::vector<Mover>& movers, double time_s) const;
+  bool IsAllowed(const RobotMotion& motion, const Choice& choice,
+                 const Surroundings& around) const;
   double CostOf(const Outcome& outcome, const Choice& choice,
-                const WayField& way) const;
+                const WayField& way, const TimedWay& timed) const;
 
   core::RobotModel robot_;
   BodyShape body_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "nav_agent/mapless/dead_reckoning.h"
@@ -13,9 +15,11 @@ namespace {
 // A robot that follows commands at once, within its accelerations.
 class Drive {
  public:
-  explicit Drive(geometry::Vec2 goal) : goal_(goal) {}
+  explicit Drive(geometry::Vec2 goal, std::vector<Mover> movers = {})
+      : goal_(goal), movers_(std::move(movers)) {}
 
-  // Until it is near the goal, or time is over. The least room it had.
+  // Until it is near the goal, or time is over. The least room it had, and the
+  // least gap to what moves.
   double Until_s(double end_s, const EvidenceGrid& map) {
     double min_m = 1;
     for (double now_s = 0; now_s < end_s; now_s += 0.025) {
@@ -24,13 +28,21 @@ class Drive {
                                       at + geometry::Vec2{4, 4});
       min_m =
           std::min(min_m, body_.RoomAt_m(clearance, motion_.map_from_base, 1));
+      for (Mover& mover : movers_) {
+        min_gap_m_ =
+            std::min(min_gap_m_,
+                     body_.DistanceTo_m(motion_.map_from_base, mover.in_map) -
+                         mover.radius_m);
+        mover.in_map = mover.After(0.025);
+      }
       if (geometry::Norm(at - goal_) < 0.15) {
         took_s_ = now_s;
         break;
       }
       if (steps_++ % 6 == 0) way_.Update(map, at, goal_);
+      timed_way_.Update(way_, movers_, at);
       const core::VelocityCommand command =
-          rollouts_.Best(motion_, clearance, way_)
+          rollouts_.Best(motion_, {clearance, movers_}, way_, timed_way_)
               .value_or(core::VelocityCommand());
       const auto toward = [](double from, double to, double step) {
         return from + std::clamp(to - from, -step, step);
@@ -47,13 +59,17 @@ class Drive {
   }
 
   std::optional<double> took_s() const { return took_s_; }
+  double min_gap_m() const { return min_gap_m_; }
   RobotMotion& motion() { return motion_; }
 
  private:
   geometry::Vec2 goal_;
+  std::vector<Mover> movers_;
+  double min_gap_m_ = 100;
   BodyShape body_{SmallRobot(), 0};
   BodyShape wide_{SmallRobot(), kBodyMargin_m};
   WayField way_{wide_};
+  TimedWay timed_way_{0.3, 1.5};
   RolloutController rollouts_{SmallRobot(), wide_, {1.5, 2}};
   RobotMotion motion_;
   int steps_ = 0;
@@ -98,6 +114,30 @@ TEST(RolloutController, StandsBeforeAWallThatAppears) {
   EXPECT_FALSE(drive.took_s().has_value());
 }
 
+TEST(RolloutController, PassesWhatCrossesWithoutATouch) {
+  EvidenceGrid map;
+  // From the right, from the left, and towards it.
+  Drive drive({8, 0},
+              {{.in_map = {2, -2}, .velocity_mps = {0, 1.2}, .radius_m = 0.5},
+               {.in_map = {4, 4}, .velocity_mps = {0, -1.2}, .radius_m = 0.5},
+               {.in_map = {9, 0}, .velocity_mps = {-1, 0}, .radius_m = 0.5}});
+  drive.Until_s(20, map);
+  EXPECT_TRUE(drive.took_s().has_value());
+  EXPECT_GT(drive.min_gap_m(), 0.03);
+}
+
+TEST(RolloutController, GivesWayBackwardsWhereNothingElseHelps) {
+  EvidenceGrid map;
+  // Walls on both sides; something as wide comes along between them.
+  AddWall({-6, 0.6}, {6, 0.6}, map);
+  AddWall({-6, -0.6}, {6, -0.6}, map);
+  Drive drive({5, 0},
+              {{.in_map = {2, 0}, .velocity_mps = {-0.3, 0}, .radius_m = 0.5}});
+  drive.Until_s(6, map);
+  EXPECT_GT(drive.min_gap_m(), 0);
+  EXPECT_LT(drive.motion().map_from_base.translation.x, -0.2);
+}
+
 TEST(RolloutController, BacksOffFromADeadEnd) {
   EvidenceGrid map;
   AddWall({0.35, -0.3}, {0.35, 0.3}, map);
@@ -106,7 +146,7 @@ TEST(RolloutController, BacksOffFromADeadEnd) {
   const ClearanceWindow clearance(map, {-4, -4}, {4, 4});
   const BodyShape body(SmallRobot(), 0.01);
   RolloutController rollouts(SmallRobot(), body, {1.5, 2});
-  EXPECT_LT(rollouts.BackOff({}, clearance).forward_mps, 0);
+  EXPECT_LT(rollouts.BackOff({}, {clearance}).forward_mps, 0);
 }
 
 TEST(RolloutController, TurnsOnlyWhereThereIsRoom) {
@@ -114,12 +154,12 @@ TEST(RolloutController, TurnsOnlyWhereThereIsRoom) {
   const BodyShape body(SmallRobot(), 0.01);
   const RolloutController rollouts(SmallRobot(), body, {1.5, 2});
   const ClearanceWindow free(map, {-4, -4}, {4, 4});
-  EXPECT_GT(rollouts.Turn({}, free, 1).yaw_rate_radps, 0);
-  EXPECT_LT(rollouts.Turn({}, free, -1).yaw_rate_radps, 0);
+  EXPECT_GT(rollouts.Turn({}, {free}, 1).yaw_rate_radps, 0);
+  EXPECT_LT(rollouts.Turn({}, {free}, -1).yaw_rate_radps, 0);
   AddWall({-1, 0.26}, {1, 0.26}, map);
   AddWall({-1, -0.26}, {1, -0.26}, map);
   const ClearanceWindow narrow(map, {-4, -4}, {4, 4});
-  EXPECT_EQ(rollouts.Turn({}, narrow, 1.5).yaw_rate_radps, 0);
+  EXPECT_EQ(rollouts.Turn({}, {narrow}, 1.5).yaw_rate_radps, 0);
 }
 
 }  // namespace

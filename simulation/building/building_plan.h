@@ -192,13 +192,22 @@ struct PlanFurniture {
   bool operator==(const PlanFurniture&) const = default;
 };
 
+enum class MoverKind { kPerson, kCart, kPost };
+
 struct PlanMover {
   std::string name;
-  bool is_cart = false;
+  MoverKind kind = MoverKind::kPerson;
   double speed_mps = 0.8;
+  // Of a post, which is round.
+  double width_m = 0.4;
+  double height_m = 1;
   struct Stop {
     PlanPoint at;
     double pause_s = 0;
+    // To the next one; 0: the mover's.
+    double speed_mps = 0;
+    // It is at the next one at once.
+    bool jumps = false;
     bool operator==(const Stop&) const = default;
   };
   std::vector<Stop> path;  // closed

@@ -136,14 +136,21 @@ Item FurnitureItem(const PlanFurniture& piece, bool has_widths) {
 Item MoverItem(const PlanMover& mover) {
   std::vector<std::string> path;
   for (const PlanMover::Stop& stop : mover.path) {
-    path.push_back(
-        Item().Add("at", Text(stop.at)).Add("pause", stop.pause_s).Braced());
+    Item item;
+    item.Add("at", Text(stop.at)).Add("pause", stop.pause_s);
+    if (stop.speed_mps > 0) item.Add("speed", stop.speed_mps);
+    if (stop.jumps) item.Add("jump", "true");
+    path.push_back(item.Braced());
   }
-  return Item()
-      .Add("name", mover.name)
-      .Add("kind", mover.is_cart ? "cart" : "person")
-      .Add("speed", mover.speed_mps)
-      .Add("path", absl::StrCat("[", absl::StrJoin(path, ", "), "]"));
+  constexpr absl::string_view kKinds[] = {"person", "cart", "post"};
+  Item item;
+  item.Add("name", mover.name)
+      .Add("kind", kKinds[static_cast<size_t>(mover.kind)])
+      .Add("speed", mover.speed_mps);
+  if (mover.kind == MoverKind::kPost) {
+    item.Add("width", mover.width_m).Add("height", mover.height_m);
+  }
+  return item.Add("path", absl::StrCat("[", absl::StrJoin(path, ", "), "]"));
 }
 
 void WriteStructure(const BuildingPlan& plan, std::string& out) {

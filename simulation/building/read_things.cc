@@ -124,6 +124,24 @@ absl::Status CheckFootprint(const yaml::YamlNode& item,
   return absl::OkStatus();
 }
 
+absl::StatusOr<PlanMover::Stop> ReadStop(const yaml::YamlNode& node,
+                                         const BuildingPlan& plan) {
+  PlanMover::Stop stop;
+  if (!node.IsMap()) {
+    TL_ASSIGN_OR_RETURN(stop.at, ReadGroundPoint(node, plan));
+    return stop;
+  }
+  TL_RETURN_IF_ERROR(node.CheckKeys({"at", "pause", "speed", "jump"}));
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode at, node.Get("at"));
+  TL_ASSIGN_OR_RETURN(stop.at, ReadGroundPoint(at, plan));
+  TL_ASSIGN_OR_RETURN(stop.pause_s, node.NumberOr("pause", 0, 0, 3600));
+  if (node.Has("speed")) {
+    TL_ASSIGN_OR_RETURN(stop.speed_mps, node.Number("speed", 0.05, 3));
+  }
+  TL_ASSIGN_OR_RETURN(stop.jumps, node.BooleanOr("jump", false));
+  return stop;
+}
+
 }  // namespace
 
 absl::Status ReadDoors(const yaml::YamlNode& file, BuildingPlan& plan) {
@@ -263,7 +281,8 @@ absl::Status ReadFurniture(const yaml::YamlNode& file, BuildingPlan& plan) {
 absl::Status ReadMovers(const yaml::YamlNode& file, BuildingPlan& plan) {
   TL_ASSIGN_OR_RETURN(
       const std::vector<yaml::YamlNode> items,
-      ReadList(file, "movers", {"name", "kind", "speed", "path"}));
+      ReadList(file, "movers",
+               {"name", "kind", "speed", "width", "height", "path"}));
   if (items.size() > 50) return items[50].Error("more than 50 movers");
   for (const yaml::YamlNode& item : items) {
     PlanMover mover;
@@ -275,24 +294,22 @@ absl::Status ReadMovers(const yaml::YamlNode& file, BuildingPlan& plan) {
       }
     }
     TL_ASSIGN_OR_RETURN(const int kind,
-                        item.Choice("kind", {"person", "cart"}));
-    mover.is_cart = kind == 1;
+                        item.Choice("kind", {"person", "cart", "post"}));
+    mover.kind = static_cast<MoverKind>(kind);
     TL_ASSIGN_OR_RETURN(mover.speed_mps, item.NumberOr("speed", 0.8, 0.05, 3));
+    if (mover.kind == MoverKind::kPost) {
+      TL_ASSIGN_OR_RETURN(mover.width_m, item.NumberOr("width", 0.4, 0.05, 3));
+      TL_ASSIGN_OR_RETURN(mover.height_m, item.NumberOr("height", 1, 0.05, 10));
+    } else if (item.Has("width") || item.Has("height")) {
+      return item.Error("posts alone have a width and a height of their own");
+    }
     TL_ASSIGN_OR_RETURN(const std::vector<yaml::YamlNode> stops,
                         item.Items("path"));
     if (stops.size() < 2 || stops.size() > 200) {
       return item.Error("a path has 2..200 points");
     }
     for (const yaml::YamlNode& stop : stops) {
-      PlanMover::Stop next;
-      if (stop.IsMap()) {
-        TL_RETURN_IF_ERROR(stop.CheckKeys({"at", "pause"}));
-        TL_ASSIGN_OR_RETURN(const yaml::YamlNode at, stop.Get("at"));
-        TL_ASSIGN_OR_RETURN(next.at, ReadGroundPoint(at, plan));
-        TL_ASSIGN_OR_RETURN(next.pause_s, stop.NumberOr("pause", 0, 0, 3600));
-      } else {
-        TL_ASSIGN_OR_RETURN(next.at, ReadGroundPoint(stop, plan));
-      }
+      TL_ASSIGN_OR_RETURN(PlanMover::Stop next, ReadStop(stop, plan));
       mover.path.push_back(next);
     }
     plan.movers.push_back(mover);

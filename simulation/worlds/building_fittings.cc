@@ -348,9 +348,14 @@ Motion BuildingFittings::MotionOf(const building::PlanMover& mover) const {
       time_s += mover.path[i].pause_s;
       key(before);
     }
-    time_s += kTurn_s;
-    key(heading(i));
-    time_s += Norm(point(i + 1) - point(i)) / mover.speed_mps;
+    const building::PlanMover::Stop& stop = mover.path[i];
+    if (mover.kind != building::MoverKind::kPost) {
+      time_s += kTurn_s;
+      key(heading(i));
+    }
+    if (stop.jumps) continue;
+    time_s += Norm(point(i + 1) - point(i)) /
+              (stop.speed_mps > 0 ? stop.speed_mps : mover.speed_mps);
   }
   motion.period_s = time_s;
   return motion;
@@ -359,13 +364,24 @@ Motion BuildingFittings::MotionOf(const building::PlanMover& mover) const {
 void BuildingFittings::AddMover(const building::PlanMover& mover) {
   builder_.set_kind(SurfaceKind::kOther);
   builder_.BeginBody();
-  if (mover.is_cart) {
-    AddCart();
-  } else {
-    AddPerson();
+  switch (mover.kind) {
+    case building::MoverKind::kPerson:
+      AddPerson();
+      builder_.EndBody(mover.name, 0.3f, 1.8f, MotionOf(mover));
+      return;
+    case building::MoverKind::kCart:
+      AddCart();
+      builder_.EndBody(mover.name, 0.52f, 0.94f, MotionOf(mover));
+      return;
+    case building::MoverKind::kPost:
+      break;
   }
-  builder_.EndBody(mover.name, mover.is_cart ? 0.52f : 0.3f,
-                   mover.is_cart ? 0.94f : 1.8f, MotionOf(mover));
+  const float radius = F(mover.width_m / 2);
+  const float height = F(mover.height_m);
+  const WorldBuilder::ProfilePoint profile[] = {
+      {radius, 0}, {radius, height}, {0.001f, height}};
+  builder_.AddTurned({}, {0, 0, 0}, profile, 20, trim_.metal);
+  builder_.EndBody(mover.name, radius, height, MotionOf(mover));
 }
 
 void BuildingFittings::AddCrate() {

@@ -8,6 +8,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "simulation/building/cylinder_field.h"
+#include "simulation/building/moving_field.h"
 #include "simulation/building/plan_file.h"
 #include "simulation/building/shipped_worlds.h"
 #include "simulation/worlds/building_maker.h"
@@ -54,6 +55,13 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
                         building::FieldPlan(building::DrawField(seed)),
                         options);
   }
+  rest = name;
+  if (absl::ConsumePrefix(&rest, "moving-field:") &&
+      absl::SimpleAtoi(rest, &seed)) {
+    return MakeBuilding(
+        std::string(name),
+        building::MovingFieldPlan(building::DrawMovingField(seed)), options);
+  }
   for (const building::ShippedWorld& shipped : building::ShippedWorlds()) {
     if (shipped.name != name) continue;
     TL_ASSIGN_OR_RETURN(
@@ -72,10 +80,10 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
   for (const building::ShippedWorld& shipped : building::ShippedWorlds()) {
     absl::StrAppend(&shipped_names, shipped.name, ", ");
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("there is no world '", name, "'; there are ", shipped_names,
-                   "room, room:N, seed:N, field:N and office:M2 with whole "
-                   "numbers, and files (NAME.yaml)"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "there is no world '", name, "'; there are ", shipped_names,
+      "room, room:N, seed:N, field:N, moving-field:N and office:M2 with whole "
+      "numbers, and files (NAME.yaml)"));
 }
 
 }  // namespace

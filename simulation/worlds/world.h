@@ -207,7 +207,8 @@ struct WorldOptions {
 //                 pictures, for each whole number N
 //   cafe, lab, office-floor, two-storey
 //                 buildings that every program carries (worlds/*.yaml)
-//   seed:N, field:N  a generated building; a field of cylinders
+//   seed:N, field:N, moving-field:N
+//                 a generated building; a field of cylinders, of moving ones
 //   office:M2, office:M2:N  an office building of so many square metres
 //   FILE          a world file of your own: ends in .yaml or contains a '/';
 //                 see docs/reference/world-files.md

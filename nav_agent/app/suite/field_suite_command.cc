@@ -17,6 +17,7 @@
 #include "evaluation/suites/suite_jobs.h"
 #include "evaluation/suites/suite_report.h"
 #include "simulation/building/cylinder_field.h"
+#include "simulation/building/moving_field.h"
 #include "simulation/building/plan_file.h"
 #include "simulation/worlds/world.h"
 
@@ -32,6 +33,7 @@ describes fields, score and the JSON file.
 
 Examples:
   treeline-agent suite barn --fields 1-50
+  treeline-agent suite barn --moving --fields 1-30
   treeline-agent suite barn --fields 3 --pictures all --folder out/barn
   treeline-agent suite barn --worlds mine.yaml,theirs.yaml --robot my-robot.yaml
   treeline-agent suite barn --fields 1-300 --write-worlds out/fields)";
@@ -39,6 +41,7 @@ Examples:
 struct FieldFlags {
   std::string fields = "1-50";
   std::vector<std::string> worlds;
+  bool moving = false;
   std::string robot = "jackal";
   double speed_mps = 0;
   uint64_t seed = 0;
@@ -65,7 +68,9 @@ absl::StatusOr<std::vector<Job>> JobsOf(const FieldFlags& flags) {
   TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
                       suites::ParseSeedList(flags.fields));
   for (const uint64_t seed : seeds) {
-    jobs.push_back({absl::StrCat("field:", seed), seed + flags.seed});
+    jobs.push_back(
+        {absl::StrCat(flags.moving ? "moving-field:" : "field:", seed),
+         seed + flags.seed});
   }
   return jobs;
 }
@@ -79,7 +84,10 @@ absl::Status WriteWorlds(const FieldFlags& flags) {
     TL_RETURN_IF_ERROR(base::MakeParentFolder(path));
     TL_RETURN_IF_ERROR(base::WriteFileAtomically(
         path,
-        building::PlanText(building::FieldPlan(building::DrawField(seed)))));
+        building::PlanText(
+            flags.moving
+                ? building::MovingFieldPlan(building::DrawMovingField(seed))
+                : building::FieldPlan(building::DrawField(seed)))));
   }
   std::printf("%d world files are in %s\n", static_cast<int>(seeds.size()),
               flags.write_worlds.c_str());
@@ -113,6 +121,7 @@ absl::Status RunFields(const FieldFlags& flags, const std::stop_token& stop) {
   fields::FieldOptions options;
   TL_ASSIGN_OR_RETURN(options.robot, core::ReadRobot(flags.robot));
   options.navigator.max_forward_mps = flags.speed_mps;
+  options.with_movers = flags.moving;
   TL_ASSIGN_OR_RETURN(const std::vector<Job> jobs, JobsOf(flags));
   if (!flags.json.empty()) TL_RETURN_IF_ERROR(base::CheckWritable(flags.json));
   const suites::JobResults<fields::FieldRun> results =
@@ -154,6 +163,9 @@ cli::Command AddFieldSuite(CLI::App& suite) {
                    "These instead: worlds with places 'start' and 'goal'")
       ->type_name("WORLD,...")
       ->delimiter(',');
+  command->add_flag("--moving", flags->moving,
+                    "Fields in which cylinders move, 20 m across, in the "
+                    "manner of DynaBARN; of --worlds: what moves there moves");
   command
       ->add_option(
           "--robot", flags->robot,
