@@ -59,9 +59,9 @@ std::string FieldSummary(const std::vector<FieldRun>& runs, int expected) {
   }
   return absl::StrFormat(
       "%d of %d fields reached, %d touched, %d struck, %d timeouts, %d failed; "
-      "mean score %.4f of 0.5; mean time %.1f s\n%sSteps: %.2f ms on average, "
-      "p99 "
-      "below %.2f ms, at most %.1f ms\n%s",
+      "mean score %.4f of 0.5; mean time %.1f s\n"
+      "%sSteps: %.2f ms on average, p99 below %.2f ms, at most %.1f ms\n"
+      "%s",
       Count(runs, FieldOutcome::kReached), runs.size(),
       Count(runs, FieldOutcome::kTouched), Count(runs, FieldOutcome::kStruck),
       Count(runs, FieldOutcome::kTimeout), Count(runs, FieldOutcome::kFailed),
@@ -76,8 +76,8 @@ std::string FieldJson(const std::vector<FieldRun>& runs, int expected,
   return absl::StrFormat(
       "{\n  \"suite\": \"barn\",\n  \"robot\": %s,\n  \"expected\": %d,\n"
       "  \"runs_done\": %d,\n  \"reached\": %d,\n  \"touched\": %d,\n"
-      "  \"struck\": %d,\n  \"timeouts\": %d,\n  \"failed\": %d,\n  "
-      "\"mean_score\": %.4f,\n"
+      "  \"struck\": %d,\n  \"timeouts\": %d,\n  \"failed\": %d,\n"
+      "  \"mean_score\": %.4f,\n"
       "  \"mean_time_s\": %.3f,\n  \"runs\": %s\n}\n",
       base::JsonQuoted(robot), expected, runs.size(),
       Count(runs, FieldOutcome::kReached), Count(runs, FieldOutcome::kTouched),

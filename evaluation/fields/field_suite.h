@@ -1,6 +1,6 @@
 // Fields of cylinders, driven through as in the BARN challenge and DynaBARN:
 // the goal is straight ahead, nothing is known beforehand, a touch ends it.
-// docs/reference/ suites.md.
+// docs/reference/suites.md.
 #ifndef EVALUATION_FIELDS_FIELD_SUITE_H_
 #define EVALUATION_FIELDS_FIELD_SUITE_H_
 

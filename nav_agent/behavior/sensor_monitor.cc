@@ -94,6 +94,16 @@ bool AcceptStamp(base::MonotonicTime stamp, base::MonotonicTime now,
   return true;
 }
 
+double LaserWatch::Timeout_s() const {
+  // A scan is as old as it took to measure when it comes, and the next one
+  // comes as much later.
+  constexpr double kScans = 2.5;
+  constexpr double kLongest_s = 5;
+  return std::max(
+      options_->laser_timeout_s,
+      std::min(kScans * laser_->Info().scan_interval_s, kLongest_s));
+}
+
 void LaserWatch::Poll(base::MonotonicTime now, double moved) {
   scans_.clear();
   moved_ += moved;
@@ -104,8 +114,7 @@ void LaserWatch::Poll(base::MonotonicTime now, double moved) {
       ++tally_.broken;
       continue;
     }
-    if (!AcceptStamp(scan.stamp, now, options_->laser_timeout_s, *options_,
-                     stamp_, tally_)) {
+    if (!AcceptStamp(scan.stamp, now, Timeout_s(), *options_, stamp_, tally_)) {
       continue;
     }
     Judge(scan);
@@ -126,8 +135,7 @@ void LaserWatch::Judge(const core::LaserScan& scan) {
   }
   tally_.repeated += is_same ? 1 : 0;
   same_ranges_.Add(is_same, scan.stamp);
-  if (same_ranges_.For_s(scan.stamp) > options_->laser_timeout_s &&
-      moved_ > kScanMotion_m) {
+  if (same_ranges_.For_s(scan.stamp) > Timeout_s() && moved_ > kScanMotion_m) {
     is_frozen_ = true;
   }
 }
@@ -139,7 +147,7 @@ std::optional<std::string> LaserWatch::Problem(base::MonotonicTime begun,
     return absl::StrCat("the ", name_, " is lost: ", health.cause.message());
   }
   const double silent_s = base::SecondsBetween(stamp_.value_or(begun), now);
-  if (silent_s > options_->laser_timeout_s) {
+  if (silent_s > Timeout_s()) {
     return Silence(name_, silent_s, tally_, tally_then_);
   }
   if (is_frozen_) {

@@ -20,6 +20,7 @@ struct StopReason {
 };
 
 struct SensorMonitorOptions {
+  // Of a slow laser it is longer: until its next scan can be there.
   double laser_timeout_s = kLaserTimeout_s;
   double odometry_timeout_s = kOdometryTimeout_s;
   // Stamps may be so far ahead of the clock (s).
@@ -78,6 +79,7 @@ class LaserWatch {
                                      base::MonotonicTime now) const;
 
  private:
+  double Timeout_s() const;
   void Judge(const core::LaserScan& scan);
 
   const char* name_;

@@ -32,7 +32,9 @@ class MaplessNavigatorTest : public ::testing::Test {
   void Step(int steps) {
     for (int i = 0; i < steps; ++i) {
       Move();
-      if (laser_works_) laser_.waiting.push_back(Scan());
+      if (laser_works_ && ++steps_ % steps_of_scan_ == 0) {
+        laser_.waiting.push_back(Scan());
+      }
       navigator_->Step();
       for (const geometry::Vec2 post : posts_) {
         const geometry::Vec2 in_base = pose_.Inverse() * post;
@@ -52,6 +54,8 @@ class MaplessNavigatorTest : public ::testing::Test {
   static constexpr double kPost_m = 0.1;
   std::vector<geometry::Vec2> posts_;
   bool laser_works_ = true;
+  // A scan comes every so many steps.
+  int steps_of_scan_ = 1;
   bool touched_ = false;
   geometry::Rigid2 pose_;
   behavior::ManualClock clock_;
@@ -110,6 +114,7 @@ class MaplessNavigatorTest : public ::testing::Test {
     return scan;
   }
 
+  int steps_ = 0;
   double forward_mps_ = 0;
   double turn_radps_ = 0;
   double driven_m_ = 0;
@@ -173,6 +178,20 @@ TEST_F(MaplessNavigatorTest, StandsWhileTheLaserIsSilent) {
   Step(400);
   EXPECT_EQ(navigator_->goal()->state, behavior::GoalState::kSucceeded)
       << navigator_->goal()->why;
+}
+
+TEST_F(MaplessNavigatorTest, ASlowLaserIsNotSilent) {
+  // Its scans are 0.4 s apart, more than MaplessOptions::laser_timeout_s.
+  laser_.info.scan_interval_s = 0.2;
+  steps_of_scan_ = 16;
+  Make();
+  Step(20);
+  SetGoal({2, 0});
+  Step(60);
+  EXPECT_GT(base_.commands.back().forward_mps, 0.2);
+  laser_works_ = false;
+  Step(40);
+  EXPECT_EQ(navigator_->Snapshot().cause, core::NavigationCause::kLaserLost);
 }
 
 TEST_F(MaplessNavigatorTest, PausesCancelsAndHalts) {

@@ -8,8 +8,10 @@
 namespace treeline::mapless {
 namespace {
 
-constexpr double kTimedCell_m = 0.25;
 constexpr double kLayer_s = 0.25;
+// So many cells are as far as the robot comes from one layer to the next: the
+// window is as wide as it can see any use of, for slow robots as for fast ones.
+constexpr int kReach = 2;
 // Movers that cannot come near within all layers do not matter.
 constexpr double kRange_m = 12;
 // Of cells that the body cannot be on: as dear as a touch.
@@ -31,9 +33,13 @@ double ThreatRate_mps(double gap_m, double time_s) {
   return kTouchCost_mps * std::exp(-gap_m / spread_m);
 }
 
+TimedWay::TimedWay(double body_m, double speed_mps)
+    : body_m_(body_m),
+      speed_mps_(speed_mps),
+      cell_m_(std::max<double>(kCell_m, speed_mps * kLayer_s / kReach)) {}
+
 geometry::Vec2 TimedWay::CenterOf(int x, int y) const {
-  return origin_ +
-         geometry::Vec2{(x + 0.5) * kTimedCell_m, (y + 0.5) * kTimedCell_m};
+  return origin_ + geometry::Vec2{(x + 0.5) * cell_m_, (y + 0.5) * cell_m_};
 }
 
 std::vector<float> TimedWay::ThreatsAt(int layer,
@@ -44,8 +50,8 @@ std::vector<float> TimedWay::ThreatsAt(int layer,
     const geometry::Vec2 at = mover.After(time_s);
     const double reach_m =
         mover.radius_m + body_m_ + kSpreads * SpreadAt_m(time_s);
-    const auto index = [](double from, double to) {
-      return static_cast<int>(std::floor((to - from) / kTimedCell_m));
+    const auto index = [this](double from, double to) {
+      return static_cast<int>(std::floor((to - from) / cell_m_));
     };
     const int first_x = std::max(0, index(origin_.x, at.x - reach_m));
     const int last_x = std::min(kColumns - 1, index(origin_.x, at.x + reach_m));
@@ -73,7 +79,7 @@ void TimedWay::Update(const WayField& way, std::span<const Mover> movers,
     Clear();
     return;
   }
-  const double half_m = kColumns * kTimedCell_m / 2;
+  const double half_m = kColumns * cell_m_ / 2;
   origin_ = robot - geometry::Vec2{half_m, half_m};
   to_go_.assign(static_cast<size_t>(kLayers * kColumns * kColumns), 0);
   const auto step = static_cast<float>(speed_mps_ * kLayer_s);
@@ -90,7 +96,8 @@ void TimedWay::Update(const WayField& way, std::span<const Mover> movers,
           blocked ? kBlocked_m : static_cast<float>(to_go_m);
     }
   }
-  const auto reach = static_cast<int>(speed_mps_ * kLayer_s / kTimedCell_m);
+  // Cells of the map are the smallest: the slowest robots come one of them far.
+  const int reach = cell_m_ > kCell_m ? kReach : 1;
   for (int layer = kLayers - 2; layer >= 0; --layer) {
     const std::vector<float> threats = ThreatsAt(layer, near);
     for (int y = 0; y < kColumns; ++y) {
@@ -118,8 +125,8 @@ void TimedWay::Update(const WayField& way, std::span<const Mover> movers,
 }
 
 double TimedWay::ToGo(geometry::Vec2 point, double time_s) const {
-  const double x = (point.x - origin_.x) / kTimedCell_m - 0.5;
-  const double y = (point.y - origin_.y) / kTimedCell_m - 0.5;
+  const double x = (point.x - origin_.x) / cell_m_ - 0.5;
+  const double y = (point.y - origin_.y) / cell_m_ - 0.5;
   const int layer = std::clamp(static_cast<int>(std::lround(time_s / kLayer_s)),
                                0, kLayers - 1);
   const auto x0 = static_cast<int>(std::floor(x));

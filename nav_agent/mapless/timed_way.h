@@ -24,8 +24,7 @@ double ThreatRate_mps(double gap_m, double time_s);
 class TimedWay {
  public:
   // For robots of this radius and speed.
-  TimedWay(double body_m, double speed_mps)
-      : body_m_(body_m), speed_mps_(speed_mps) {}
+  TimedWay(double body_m, double speed_mps);
 
   // No movers near: it is empty, and the way field alone counts.
   void Update(const WayField& way, std::span<const Mover> movers,
@@ -38,7 +37,8 @@ class TimedWay {
   double ToGo(geometry::Vec2 point, double time_s) const;
 
  private:
-  // 12.25 m in each direction, 3.75 s.
+  // Six metres to each side at 2 m/s, as much less as the robot is slower; 3.75
+  // s.
   static constexpr int kColumns = 49;
   static constexpr int kLayers = 16;
 
@@ -52,6 +52,8 @@ class TimedWay {
 
   double body_m_;
   double speed_mps_;
+  // Of a cell; kColumns of them are the window.
+  double cell_m_;
   geometry::Vec2 origin_;
   // By layer, row, column.
   std::vector<float> to_go_;

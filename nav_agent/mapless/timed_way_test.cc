@@ -37,6 +37,15 @@ TEST_F(TimedWayTest, BehindWhatCrossesIsNearerThanBeforeIt) {
   EXPECT_LT(timed_.ToGo({2, 0}, 2.5), in_it_m - 10);
 }
 
+TEST_F(TimedWayTest, ASlowRobotGoesBehindToo) {
+  TimedWay slow(0.1, 0.3);
+  const Mover mover = {
+      .in_map = {0.3, -0.5}, .velocity_mps = {0, 0.5}, .radius_m = 0.1};
+  slow.Update(way_, {&mover, 1}, {0, 0});
+  EXPECT_LT(slow.ToGo({0.3, -0.4}, 1), slow.ToGo({0.3, 0.3}, 1));
+  EXPECT_GT(slow.ToGo({0.3, 0}, 1), slow.ToGo({0.3, -0.4}, 1) + 1);
+}
+
 TEST_F(TimedWayTest, WaitingCostsWhatDrivingWouldHaveGained) {
   // Far aside, so that it threatens nobody.
   const Mover mover = {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/random.h"
+#include "simulation/building/field_hall.h"
 
 namespace treeline::building {
 namespace {
@@ -158,20 +159,14 @@ CylinderField DrawField(uint64_t seed) {
 }
 
 BuildingPlan FieldPlan(const CylinderField& field) {
-  BuildingPlan plan;
-  plan.size_m = {kHallWidth_m, kHallDepth_m, 3};
-  plan.seed = field.seed;
-  PlanRoom hall;
-  hall.name = "hall";
-  hall.area = {0, 0, kHallWidth_m, kHallDepth_m};
-  hall.floor = "concrete";
-  hall.walls.fill("white");
-  hall.lamps = {2, 3};
-  plan.rooms.push_back(hall);
+  BuildingPlan plan =
+      PlanOf(FieldHall{.width_m = kHallWidth_m,
+                       .depth_m = kHallDepth_m,
+                       .lamps = {2, 3},
+                       .start_y_m = ToMillimetres(kMargin_m + kStartRow_m),
+                       .goal_ahead_m = kFieldGoalAhead_m},
+             field.seed);
   const double left_m = (kHallWidth_m - kColumns * kCell_m) / 2;
-  const auto rounded = [](double value) {
-    return std::round(value * 1000) / 1000;
-  };
   for (int y = 0; y < kRows; ++y) {
     for (int x = 0; x < kColumns; ++x) {
       if (!field.At(x, y)) continue;
@@ -185,8 +180,8 @@ BuildingPlan FieldPlan(const CylinderField& field) {
       }
       if (is_hidden) continue;
       PlanPillar post;
-      post.at = {rounded(left_m + (x + 0.5) * kCell_m),
-                 rounded(kMargin_m + (y + 0.5) * kCell_m),
+      post.at = {ToMillimetres(left_m + (x + 0.5) * kCell_m),
+                 ToMillimetres(kMargin_m + (y + 0.5) * kCell_m),
                  {}};
       post.width_m = kCell_m;
       post.is_round = true;
@@ -194,14 +189,6 @@ BuildingPlan FieldPlan(const CylinderField& field) {
       plan.pillars.push_back(post);
     }
   }
-  const double x_m = kHallWidth_m / 2;
-  const double y_m = rounded(kMargin_m + kStartRow_m);
-  plan.places = {
-      {.name = "start", .stand = {.at = {x_m, y_m, {}}, .facing_deg = 90}},
-      {.name = "goal",
-       .stand = {.at = {x_m, y_m + kFieldGoalAhead_m, {}}, .facing_deg = 90}}};
-  // Around the start.
-  plan.tour = {{x_m, y_m, {}}, {x_m + 1, y_m, {}}, {x_m, y_m + 1, {}}};
   return plan;
 }
 

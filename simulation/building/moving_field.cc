@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
+#include "simulation/building/field_hall.h"
 
 namespace treeline::building {
 namespace {
@@ -114,8 +115,6 @@ MovingCylinder DrawCylinder(const MotionKind& kind, base::Random& random) {
   return cylinder;
 }
 
-double Rounded(double value) { return std::round(value * 1000) / 1000; }
-
 PlanMover MoverOf(const MovingCylinder& cylinder, size_t number) {
   PlanMover mover;
   mover.name = absl::StrCat("cylinder-", number + 1);
@@ -126,11 +125,11 @@ PlanMover MoverOf(const MovingCylinder& cylinder, size_t number) {
   for (size_t i = 0; i < count; ++i) {
     const size_t at = (static_cast<size_t>(cylinder.first) + i) % count;
     PlanMover::Stop stop;
-    stop.at = {Rounded(kHallWidth_m / 2 + cylinder.points[at].x_m),
-               Rounded(kFront_m + kHalf_m + cylinder.points[at].y_m),
+    stop.at = {ToMillimetres(kHallWidth_m / 2 + cylinder.points[at].x_m),
+               ToMillimetres(kFront_m + kHalf_m + cylinder.points[at].y_m),
                {}};
     stop.jumps = at + 1 == count;
-    stop.speed_mps = stop.jumps ? 0 : Rounded(cylinder.speeds_mps[at]);
+    stop.speed_mps = stop.jumps ? 0 : ToMillimetres(cylinder.speeds_mps[at]);
     mover.path.push_back(stop);
   }
   return mover;
@@ -162,16 +161,12 @@ MovingField DrawMovingField(uint64_t seed) {
 }
 
 BuildingPlan MovingFieldPlan(const MovingField& field) {
-  BuildingPlan plan;
-  plan.size_m = {kHallWidth_m, kHallDepth_m, 3};
-  plan.seed = field.seed;
-  PlanRoom hall;
-  hall.name = "hall";
-  hall.area = {0, 0, kHallWidth_m, kHallDepth_m};
-  hall.floor = "concrete";
-  hall.walls.fill("white");
-  hall.lamps = {3, 3};
-  plan.rooms.push_back(hall);
+  BuildingPlan plan = PlanOf(FieldHall{.width_m = kHallWidth_m,
+                                       .depth_m = kHallDepth_m,
+                                       .lamps = {3, 3},
+                                       .start_y_m = kFront_m - kStartBefore_m,
+                                       .goal_ahead_m = kMovingFieldGoalAhead_m},
+                             field.seed);
   const double left_m = kHallWidth_m / 2 - kHalf_m;
   const double right_m = kHallWidth_m / 2 + kHalf_m;
   const double back_m = kFront_m + 2 * kHalf_m;
@@ -189,15 +184,6 @@ BuildingPlan MovingFieldPlan(const MovingField& field) {
   for (size_t i = 0; i < field.cylinders.size(); ++i) {
     plan.movers.push_back(MoverOf(field.cylinders[i], i));
   }
-  const double x_m = kHallWidth_m / 2;
-  const double y_m = kFront_m - kStartBefore_m;
-  plan.places = {
-      {.name = "start", .stand = {.at = {x_m, y_m, {}}, .facing_deg = 90}},
-      {.name = "goal",
-       .stand = {.at = {x_m, y_m + kMovingFieldGoalAhead_m, {}},
-                 .facing_deg = 90}}};
-  // Around the start.
-  plan.tour = {{x_m, y_m, {}}, {x_m + 1, y_m, {}}, {x_m, y_m + 1, {}}};
   return plan;
 }
 

@@ -217,6 +217,15 @@ absl::StatusOr<messages::CameraInfo> InfoOf(const camera::Camera& camera,
 
 namespace {
 
+// Black, and as large.
+image::ColorImage PictureAs(const messages::Image& image) {
+  image::ColorImage made = {.width = static_cast<int>(image.width),
+                            .height = static_cast<int>(image.height),
+                            .rgb = {}};
+  made.rgb.resize(size_t{3} * image.width * image.height);
+  return made;
+}
+
 absl::StatusOr<image::ColorImage> ColorOfYuv(const messages::Image& image,
                                              const YuvLayout& layout) {
   TL_RETURN_IF_ERROR(CheckRows(image, 2));
@@ -224,10 +233,7 @@ absl::StatusOr<image::ColorImage> ColorOfYuv(const messages::Image& image,
     return absl::InvalidArgumentError(absl::StrCat(
         "picture: ", image.encoding, " of an odd width, ", image.width));
   }
-  image::ColorImage made = {.width = static_cast<int>(image.width),
-                            .height = static_cast<int>(image.height),
-                            .rgb = {}};
-  made.rgb.resize(size_t{3} * image.width * image.height);
+  image::ColorImage made = PictureAs(image);
   uint8_t* to = made.rgb.data();
   for (size_t y = 0; y < image.height; ++y) {
     const uint8_t* from = image.data.data() + y * image.step;
@@ -257,10 +263,7 @@ absl::StatusOr<image::ColorImage> ColorOf(const messages::Image& image) {
                      "Bayer patterns; or take /compressed"));
   }
   TL_RETURN_IF_ERROR(CheckRows(image, layout->bytes));
-  image::ColorImage made = {.width = static_cast<int>(image.width),
-                            .height = static_cast<int>(image.height),
-                            .rgb = {}};
-  made.rgb.resize(size_t{3} * image.width * image.height);
+  image::ColorImage made = PictureAs(image);
   uint8_t* to = made.rgb.data();
   for (size_t y = 0; y < image.height; ++y) {
     const uint8_t* from = image.data.data() + y * image.step;

@@ -399,7 +399,7 @@ behavior::NavigatorDevices AgentProgram::WatchedDevices() {
 
 absl::Status AgentProgram::MakeNavigator() {
   if (config_.by_sight) {
-    mapless::MaplessOptions options = SightOptionsOf(config_, *robot_);
+    mapless::MaplessOptions options = SightOptionsOf(config_);
     if (!map_->levels.levels.empty()) {
       options.known = {map_->levels.levels.front().grid};
     }

@@ -1,6 +1,5 @@
 #include "nav_agent/app/run/navigator_setup.h"
 
-#include <algorithm>
 #include <cstdint>
 
 #include "nav_agent/behavior/parameters.h"
@@ -8,15 +7,6 @@
 
 namespace treeline::run_app {
 namespace {
-
-// As set, but no less than lets a slow laser's scans count.
-double LaserTimeout_s(const AgentConfig& config, AgentRobot& robot) {
-  // A scan is as old as it took to measure when it comes, and the next one
-  // comes as much later.
-  constexpr double kScans = 2.5;
-  return std::max(config.laser_timeout_s,
-                  kScans * robot.Devices().laser.Info().scan_interval_s);
-}
 
 // On the robot's clock: who drives by hand lives in real time.
 double ManualLease_s(const AgentConfig& config) {
@@ -37,7 +27,7 @@ behavior::NavigatorOptions NavigatorOptionsOf(const AgentConfig& config,
   options.control.inflation_m = config.inflation_m;
   options.control.goal_tolerance_m = config.goal_tolerance_m;
   options.control.goal_tolerance_rad = config.goal_tolerance_rad;
-  options.laser_timeout_s = LaserTimeout_s(config, robot);
+  options.laser_timeout_s = config.laser_timeout_s;
   options.odometry_timeout_s = config.odometry_timeout_s;
   options.finds_itself_at_start = config.find_yourself;
   options.seed = static_cast<uint64_t>(config.seed);
@@ -48,14 +38,13 @@ behavior::NavigatorOptions NavigatorOptionsOf(const AgentConfig& config,
   return options;
 }
 
-mapless::MaplessOptions SightOptionsOf(const AgentConfig& config,
-                                       AgentRobot& robot) {
+mapless::MaplessOptions SightOptionsOf(const AgentConfig& config) {
   mapless::MaplessOptions options;
   options.control_hz = kControlHz;
   options.max_forward_mps = config.max_forward_mps;
   options.goal_tolerance_m = config.goal_tolerance_m;
   options.goal_tolerance_rad = config.goal_tolerance_rad;
-  options.laser_timeout_s = LaserTimeout_s(config, robot);
+  options.laser_timeout_s = config.laser_timeout_s;
   options.odometry_timeout_s = config.odometry_timeout_s;
   options.manual_lease_s = ManualLease_s(config);
   return options;

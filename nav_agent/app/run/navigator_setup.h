@@ -16,8 +16,7 @@ inline constexpr double kControlHz = 40;
 behavior::NavigatorOptions NavigatorOptionsOf(const AgentConfig& config,
                                               AgentRobot& robot);
 // By sight; without what is known of the place.
-mapless::MaplessOptions SightOptionsOf(const AgentConfig& config,
-                                       AgentRobot& robot);
+mapless::MaplessOptions SightOptionsOf(const AgentConfig& config);
 
 }  // namespace treeline::run_app
 

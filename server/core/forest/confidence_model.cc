@@ -31,9 +31,8 @@ double Sharpness(double sigma_m) {
 // is distinct. In rooms nothing of which repeats it is 0.71 and more, with half
 // of the picture cut away or covered (docs/research/growth.md).
 constexpr double kSureDistinct = 0.7;
-// Such a place has to look as learnt, but for one cell of some fifty; if still
-// less is distinct, even that says nothing.
-constexpr double kMaxContradicted = 0.02;
+// Such a place has to look as learnt, in every part of the picture; if less
+// than this is distinct, even that says nothing.
 constexpr double kMinDistinct = 0.3;
 // The odds' logarithm then, at most: rather wrong than right.
 constexpr double kElsewhereLogit = -0.4;
@@ -41,9 +40,9 @@ constexpr double kElsewhereLogit = -0.4;
 }  // namespace
 
 bool MayBeElsewhere(const PoseEvidence& evidence) {
-  return evidence.matches > 0 && (evidence.distinct < kMinDistinct ||
-                                  (evidence.distinct < kSureDistinct &&
-                                   evidence.contradicted > kMaxContradicted));
+  return evidence.matches > 0 &&
+         (evidence.distinct < kMinDistinct ||
+          (evidence.distinct < kSureDistinct && evidence.contradicted > 0));
 }
 
 const std::array<absl::string_view, ConfidenceModel::kFeatures>&

@@ -24,9 +24,8 @@ class CellAgreement {
   void Add(float u, float v, float expected, float brightness, bool agrees);
 
   // Of the cells with enough points to tell, the share that look like something
-  // else: most of their points do
-  // not agree, nor does their brightness go with the expected one, as it would
-  // in another light. 0 without cells.
+  // else: most of their points do not agree, nor does their brightness go with
+  // the expected one, as it would in another light. 0 without cells.
   double Contradicted() const;
 
  private:

@@ -14,8 +14,8 @@ namespace treeline::keyframes {
 // How many of these matches of `features` are distinct: no feature of the scene
 // that stands further than kElsewhere_m from the match's point is nearly as
 // like the frame's (Lowe's test of the second nearest, over the scene rather
-// than one keyframe). Looked for among the features of one word, in the map's
-// index; all are distinct where it has none.
+// than one keyframe). Looked for in the map's index, among the features of the
+// words of both; all are distinct where it has none.
 size_t CountDistinct(const features::SiftFeatures& features,
                      const KeyframeMap& map,
                      std::span<const KeyframeMatch> matches);

@@ -1,5 +1,8 @@
 #include "server/core/localizer/keyframe_source.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "common/base/status_macros.h"
 #include "server/core/keyframes/distinct_matches.h"
 #include "server/core/keyframes/keyframe_features.h"
@@ -84,9 +87,15 @@ double KeyframeSource::DistinctShare(Query& query,
     if (pose.supported[i] >= 0) inliers.push_back(seen.match[i]);
   }
   if (inliers.empty()) return 1;
+  // Sure ones and doubtful ones alike.
+  const size_t asked = std::min<size_t>(inliers.size(), kDistinctMatches);
+  for (size_t i = 0; i < asked; ++i) {
+    inliers[i] = inliers[i * inliers.size() / asked];
+  }
+  inliers.resize(asked);
   return static_cast<double>(keyframes::CountDistinct(
              query.keyframe_features(map_->sift_kind()), *map_, inliers)) /
-         static_cast<double>(inliers.size());
+         static_cast<double>(asked);
 }
 
 }  // namespace treeline::localizer

@@ -22,6 +22,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kKeypointSigma_px),
           base::RowOf(kKeyframePointSigma_m),
           base::RowOf(kKeyframeRansacInlier_px),
+          base::RowOf(kDistinctMatches),
           base::RowOf(kKeyframeRobustScale_px),
           base::RowOf(kKeyframeInlier_px),
           base::RowOf(kMaxSiftRatio),

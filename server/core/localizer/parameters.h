@@ -138,6 +138,14 @@ inline constexpr base::Parameter<double> kKeyframeRansacInlier_px{
     .unit = "px",
     .origin = base::ParameterOrigin::kTuned,
     .why = "keyframes' points are exact to about a centimetre"};
+inline constexpr base::Parameter<size_t> kDistinctMatches{
+    .name = "distinct_matches",
+    .value = 96,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "of so many of the features that support a pose it is asked whether "
+        "they are found elsewhere: their share is known to a twentieth"};
 inline constexpr base::Parameter<double> kKeyframeRobustScale_px{
     .name = "keyframe_robust_scale",
     .value = 3,
