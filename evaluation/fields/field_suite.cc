@@ -22,6 +22,8 @@ constexpr int kWarmUpSteps = 8;
 // The clock starts when it has moved so far.
 constexpr double kBegun_m = 0.1;
 // A robot that does not even set off.
+// Of what moves, pictures show the way of the last seconds.
+constexpr double kShownBefore_s = 2;
 constexpr double kNeverBegun_s = 30;
 
 absl::StatusOr<geometry::Rigid2> PlaceOf(const worlds::World& world,
@@ -150,6 +152,8 @@ class FieldDrive {
     }
     run_.marks.truth =
         geometry::PlanarPose(run_.record.final_state.world_from_base);
+    run_.marks.movers = runs::WaysOfMovers(
+        simulator_->world(), run_.record.simulated_s, kShownBefore_s);
     run_.best_way_m = geometry::Norm(goal_.translation - start_.translation);
     absl::string_view rest = options.world;
     uint64_t field = 0;

@@ -17,6 +17,7 @@ constexpr Rgb kGlass = {90, 160, 220};
 constexpr Rgb kTour = {150, 150, 150};
 constexpr Rgb kTrack = {30, 90, 220};
 constexpr Rgb kStart = {20, 160, 60};
+constexpr Rgb kMover = {0, 140, 140};
 constexpr Rgb kGoal = {0, 170, 60};
 constexpr Rgb kPath = {200, 0, 200};
 constexpr Rgb kEstimate = {220, 20, 20};
@@ -172,6 +173,12 @@ void DrawEvents(const SimulationResult& result, Plan& plan) {
 }
 
 void DrawMarks(const PlanMarks& marks, Plan& plan) {
+  for (const std::vector<geometry::Vec2>& way : marks.movers) {
+    for (size_t i = 1; i < way.size(); ++i) {
+      plan.Line(way[i - 1], way[i], kMover, 1);
+    }
+    if (!way.empty()) plan.Dot(way.back(), kMover, 8);
+  }
   for (size_t i = 1; i < marks.path.size(); ++i) {
     const geometry::Vec3& a = marks.path[i - 1];
     const geometry::Vec3& b = marks.path[i];
@@ -183,6 +190,29 @@ void DrawMarks(const PlanMarks& marks, Plan& plan) {
 }
 
 }  // namespace
+
+std::vector<std::vector<geometry::Vec2>> WaysOfMovers(
+    const worlds::World& world, double time_s, double last_s) {
+  constexpr double kStep_s = 0.1;
+  // Further than anything goes in a step: it has begun anew.
+  constexpr double kJump_m = 1;
+  std::vector<std::vector<geometry::Vec2>> ways;
+  for (double before_s = last_s; before_s > -kStep_s / 2; before_s -= kStep_s) {
+    const std::vector<worlds::BodyInstance> bodies =
+        world.InstancesAt(std::max(0.0, time_s - before_s));
+    ways.resize(bodies.size());
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const worlds::Float3 at = bodies[i].world_from_body.origin;
+      const geometry::Vec2 point{at.x, at.y};
+      if (!ways[i].empty() &&
+          geometry::Norm(point - ways[i].back()) > kJump_m) {
+        ways[i].clear();
+      }
+      ways[i].push_back(point);
+    }
+  }
+  return ways;
+}
 
 image::ColorImage DrawPlan(const worlds::World& world,
                            const simulator::Terrain& terrain,

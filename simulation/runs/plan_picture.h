@@ -22,7 +22,14 @@ struct PlanMarks {
   // The robot's estimate of where it is: a red arrow; the truth: a blue one.
   std::optional<geometry::Rigid2> estimate = std::nullopt;
   std::optional<geometry::Rigid2> truth = std::nullopt;
+  // What moved about: a teal dot where it is, behind it the way that it came.
+  std::vector<std::vector<geometry::Vec2>> movers = {};
 };
+
+// The ways of what moves in `world` in the `last_s` seconds before a time, as
+// PlanMarks has them.
+std::vector<std::vector<geometry::Vec2>> WaysOfMovers(
+    const worlds::World& world, double time_s, double last_s);
 
 // North (+y) is up. Ground is grey, lighter where it is higher; ramps are
 // ochre, stairs brown, furniture dark, walls black, glass blue. The tour is a
