@@ -213,26 +213,83 @@ def localize_request(setup):
 
 
 class Untaken:
-    """Calls whose client gives its streams no window: answers cannot be sent."""
+    """A connection that asks properly, sending no more than the server has room
+    for (RFC 9113, section 5.2), and gives its own streams no window: answers
+    cannot be sent."""
 
     LARGEST = 16384
+    INITIAL_WINDOW = 4  # of the settings
 
-    def __init__(self, path, message):
-        self.path = path
+    def __init__(self, address, path, message):
+        self.calls = attack.Calls(path)
         self.message = b"\0" + struct.pack(">I", len(message)) + message
+        self.window = self.initial = 65535
+        self.of_stream = 0
+        self.received = b""
+        host, port = address.rsplit(":", 1)
+        self.socket = socket.create_connection((host, int(port)), 10,
+                                               (CROWD[0], 0))
+        self.socket.sendall(attack.PREFACE + attack.frame(
+            attack.SETTINGS, 0, 0, struct.pack(">HI", self.INITIAL_WINDOW, 0)))
 
-    def __call__(self, calls, _):
-        begin = b""
-        if calls.stream < 0:
-            calls.path = self.path
-            begin = attack.frame(attack.SETTINGS, 0, 0, struct.pack(">HI", 4, 0))
-        out = begin + calls.open()
-        for at in range(0, len(self.message), self.LARGEST):
-            is_last = at + self.LARGEST >= len(self.message)
-            out += attack.frame(attack.DATA, attack.END_STREAM if is_last else 0,
-                                calls.stream,
-                                self.message[at:at + self.LARGEST])
-        return out
+    def close(self):
+        self.socket.close()
+
+    def ask(self):
+        """One more call, whole. ConnectionError if the server closed it."""
+        self.socket.sendall(self.calls.open())
+        self.of_stream = self.initial
+        left = self.message
+        while left:
+            self._listen(0)
+            while min(self.window, self.of_stream) <= 0:
+                self._listen(10)
+            size = min(len(left), self.LARGEST, self.window, self.of_stream)
+            part, left = left[:size], left[size:]
+            self.socket.sendall(attack.frame(
+                attack.DATA, 0 if left else attack.END_STREAM,
+                self.calls.stream, part))
+            self.window -= size
+            self.of_stream -= size
+
+    def _listen(self, seconds):
+        """What the server says, waiting so long for the first of it."""
+        while select.select([self.socket], [], [], seconds)[0]:
+            seconds = 0
+            said = self.socket.recv(1 << 16)
+            if not said:
+                raise ConnectionError("closed")
+            self.received += said
+            self._take_frames()
+
+    def _take_frames(self):
+        while len(self.received) >= 9:
+            length = int.from_bytes(self.received[:3], "big")
+            if len(self.received) < 9 + length:
+                return
+            kind, flags, stream = struct.unpack(">BBI", self.received[3:9])
+            payload = self.received[9:9 + length]
+            self.received = self.received[9 + length:]
+            if flags & attack.ACK and kind in (attack.SETTINGS, attack.PING):
+                continue
+            if kind == attack.SETTINGS:
+                self._take_settings(payload)
+            elif kind == attack.PING:
+                self.socket.sendall(attack.frame(attack.PING, attack.ACK, 0,
+                                                 payload))
+            elif kind == attack.WINDOW_UPDATE:
+                more = int.from_bytes(payload, "big")
+                if stream == 0:
+                    self.window += more
+                elif stream == self.calls.stream:
+                    self.of_stream += more
+
+    def _take_settings(self, payload):
+        for name, value in struct.iter_unpack(">HI", payload):
+            if name == self.INITIAL_WINDOW:
+                self.of_stream += value - self.initial
+                self.initial = value
+        self.socket.sendall(attack.frame(attack.SETTINGS, attack.ACK))
 
 
 def answered(server, rpc):
@@ -247,12 +304,12 @@ def untaken(setup, row):
     bench(setup, [server], "--duration", "0.5", "--no-reference")
     before_kib = server.status_kib("VmRSS")
     kinds = {
-        "Localize": Untaken(attack.LOCALIZE, localize_request(setup)),
-        "GetSceneMap": Untaken(
+        "Localize": (attack.LOCALIZE, localize_request(setup)),
+        "GetSceneMap": (
             "/treeline.v1.SceneService/GetSceneMap",
             field(1, b"room") + varint(2 << 3) + varint(200000))}
-    for name, kind in kinds.items():
-        connections = [attack.Attack(server.address, kind, source=CROWD[0])
+    for name, (path, message) in kinds.items():
+        connections = [Untaken(server.address, path, message)
                        for _ in range(10)]
         # A queue takes no more at a time; and if requests were held until
         # their answers are taken, these would be more than all may hold.
@@ -260,7 +317,7 @@ def untaken(setup, row):
         while (answered(server, name) - first < ANSWERS and
                time.monotonic() - begin < 30):
             for connection in connections:
-                connection.send(1)
+                connection.ask()
             time.sleep(0.1)
         untaken_calls = answered(server, name) - first
         load = Bench(setup, [server], "--rate", "10", "--duration",
