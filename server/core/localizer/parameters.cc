@@ -45,6 +45,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMaxRelativePositionSigma),
           base::RowOf(kMinFocalError),
           base::RowOf(kMinFocalSigmas),
+          base::RowOf(kSureFocalSigmas),
           base::RowOf(kUnsureFocalOdds),
           base::RowOf(kMinDoubtfulFocalSigmas),
           base::RowOf(kSameFocal),

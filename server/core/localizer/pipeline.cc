@@ -162,7 +162,7 @@ bool IsFocalKnown(const Query& query,
                   const std::optional<pose::FocalEstimate>& focal) {
   if (!query.is_focal_doubtful()) return true;
   return focal && focal->sigma <= kMaxKnownFocalSigma &&
-         !OtherFocal(focal, 1, /*is_doubtful=*/true);
+         !OtherFocal(focal, kMinDoubtfulFocalSigmas);
 }
 
 // Depth that is registered to colour has the same camera.
@@ -212,12 +212,9 @@ absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
 }  // namespace
 
 std::optional<double> OtherFocal(
-    const std::optional<pose::FocalEstimate>& focal, double sigma_scale,
-    bool is_doubtful) {
+    const std::optional<pose::FocalEstimate>& focal, double min_sigmas) {
   if (!focal) return std::nullopt;
   const double error = LogError(*focal);
-  const double min_sigmas =
-      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas * sigma_scale;
   if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
     return std::nullopt;
   }
@@ -266,10 +263,17 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
   if (best.focal && best.focal->sigma > 0) {
     corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
   }
+  const bool is_doubtful = query.is_focal_doubtful();
+  const double min_sigmas =
+      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
+  const double sure_sigmas =
+      is_doubtful
+          ? kMinDoubtfulFocalSigmas
+          : std::max<double>(kSureFocalSigmas,
+                             kMinFocalSigmas * method.focal_sigma_scale);
   const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
   for (int round = 0; round < rounds; ++round) {
-    const bool is_doubtful = query.is_focal_doubtful();
-    const std::optional<double> other = OtherFocal(best.focal, 1, is_doubtful);
+    const std::optional<double> other = OtherFocal(best.focal, min_sigmas);
     if (!best.verdict || !other) break;
     Corrections tried = corrections;
     tried.focal_scale *= *other;
@@ -282,7 +286,7 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
       break;
     }
     // What the scene's map may have wrong has to be worth it.
-    if (!OtherFocal(best.focal, method.focal_sigma_scale, is_doubtful) &&
+    if (!OtherFocal(best.focal, sure_sigmas) &&
         OddsRatio(*selection.verdict, *best.verdict) < kUnsureFocalOdds) {
       break;
     }

@@ -55,12 +55,10 @@ struct Selection {
 };
 
 // The focal length that matched features speak for, in stated ones; nullopt: it
-// may well be the stated one. That is_doubtful if it may be a guess, and then
-// the little that features know is more; else see ConfidenceModel for
-// `sigma_scale`.
+// may well be the stated one, from which theirs is less than `min_sigmas` of
+// its own standard deviations.
 std::optional<double> OtherFocal(
-    const std::optional<pose::FocalEstimate>& focal, double sigma_scale,
-    bool is_doubtful);
+    const std::optional<pose::FocalEstimate>& focal, double min_sigmas);
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
@@ -81,8 +79,8 @@ struct Corrections {
 
 // As SelectCandidate, and asks again with the focal length that the features
 // speak for, as long as that gives a better answer: one of twice the odds
-// (kUnsureFocalOdds) where only the features' own standard deviation speaks for
-// it. Likewise with another scale of depth. `corrections` become the
+// (kUnsureFocalOdds) where the stated one is no guess and the features are not
+// very sure. Likewise with another scale of depth. `corrections` become the
 // selection's, and `query` has the cameras that were tried last.
 absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
                                                    Query& query,

@@ -2,6 +2,7 @@
 // what the test wants.
 #include "server/core/localizer/pipeline.h"
 
+#include <cmath>
 #include <deque>
 #include <map>
 #include <utility>
@@ -189,22 +190,16 @@ TEST_F(ScaledDepthTest, ItIsNoQuestionOnceItIsSettled) {
   EXPECT_EQ(features_[0]->times, 0);
 }
 
-TEST(OtherFocalTest, IsOneThatTheStatedOneIsFarFromByWhatTheSceneKnows) {
+TEST(OtherFocalTest, IsOneThatTheStatedOneIsFarFrom) {
   const pose::FocalEstimate longer{.scale = 1.05, .sigma = 0.01};
-  EXPECT_EQ(OtherFocal(longer, 1, /*is_doubtful=*/false), 1.05);
-  EXPECT_EQ(OtherFocal(longer, 1.3, /*is_doubtful=*/false), std::nullopt);
-  // A guess is worth less, whatever the scene.
-  EXPECT_EQ(OtherFocal(longer, 4, /*is_doubtful=*/true), 1.05);
-  EXPECT_EQ(OtherFocal(pose::FocalEstimate{.scale = 1.05, .sigma = 0.04}, 1,
-                       /*is_doubtful=*/true),
-            std::nullopt);
+  EXPECT_EQ(OtherFocal(longer, 4), 1.05);
+  EXPECT_EQ(OtherFocal(longer, 5.2), std::nullopt);
   const pose::FocalEstimate shorter{.scale = 1 / 1.05, .sigma = 0.01};
-  EXPECT_EQ(OtherFocal(shorter, 1, /*is_doubtful=*/false), shorter.scale);
+  EXPECT_EQ(OtherFocal(shorter, 4), shorter.scale);
   // However well it is known.
-  EXPECT_EQ(OtherFocal(pose::FocalEstimate{.scale = 1.01, .sigma = 1e-4}, 1,
-                       /*is_doubtful=*/true),
+  EXPECT_EQ(OtherFocal(pose::FocalEstimate{.scale = 1.01, .sigma = 1e-4}, 4),
             std::nullopt);
-  EXPECT_EQ(OtherFocal(std::nullopt, 1, /*is_doubtful=*/true), std::nullopt);
+  EXPECT_EQ(OtherFocal(std::nullopt, 1.5), std::nullopt);
 }
 
 TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
@@ -228,19 +223,23 @@ TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
   }
 }
 
-// Features that want a focal length 5 % longer, at 5 standard deviations, until
-// the query has it.
+// Features that want a focal length 5 % longer, which has one standard
+// deviation, until the query has it.
 class FocalGenerator final : public CandidateGenerator {
  public:
+  explicit FocalGenerator(double sigma) : sigma_(sigma) {}
   absl::StatusOr<Candidate> Propose(
       Query& query, std::span<const Candidate> /*earlier*/) const override {
     const bool is_stated = query.camera().fx() < 510;
     Candidate candidate = Pose(is_stated ? 100 : 101);
     candidate.is_matched = true;
     candidate.focal =
-        pose::FocalEstimate{.scale = is_stated ? 1.05 : 1, .sigma = 0.01};
+        pose::FocalEstimate{.scale = is_stated ? 1.05 : 1, .sigma = sigma_};
     return candidate;
   }
+
+ private:
+  const double sigma_;
 };
 
 class OtherFocalAnswerTest : public testing::Test {
@@ -253,7 +252,8 @@ class OtherFocalAnswerTest : public testing::Test {
                                {101, Believed(confidence)}},
         &verified, std::nullopt);
     method_.steps.clear();
-    method_.steps.push_back({std::make_unique<FocalGenerator>()});
+    method_.steps.push_back(
+        {std::make_unique<FocalGenerator>(std::log(1.05) / sigmas_)});
     camera::RgbdCalibration calibration;
     calibration.color =
         camera::Camera::Parse("PINHOLE,500,500,320,240", 640, 480).value();
@@ -266,11 +266,12 @@ class OtherFocalAnswerTest : public testing::Test {
     const auto selection =
         SelectWithAnyCalibration(method_, query, corrections);
     EXPECT_TRUE(selection.ok());
-    EXPECT_NEAR(corrections.focal_error_sigmas, 4.88, 0.01);
+    EXPECT_NEAR(corrections.focal_error_sigmas, sigmas_, 1e-9);
     return corrections.focal_scale;
   }
 
   Method method_;
+  double sigmas_ = 7;  // by which the features want the longer one
   bool is_doubtful_ = false;
 };
 
@@ -279,11 +280,21 @@ TEST_F(OtherFocalAnswerTest, IsTakenIfItIsBetter) {
   EXPECT_EQ(FocalScale(0.79), 1);
 }
 
+TEST_F(OtherFocalAnswerTest, HasToBeMuchBetterWhereFeaturesAreNotVerySure) {
+  sigmas_ = 5;
+  EXPECT_EQ(FocalScale(0.82), 1);
+  EXPECT_NEAR(FocalScale(0.9), 1.05, 1e-9);  // 9 to 1, not 4 to 1
+  sigmas_ = 3;
+  EXPECT_EQ(FocalScale(0.9), 1);
+  is_doubtful_ = true;
+  EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
+}
+
 TEST_F(OtherFocalAnswerTest, HasToBeMuchBetterWhereTheSceneStatesTooMuch) {
   method_.focal_sigma_scale = 3;
   EXPECT_EQ(FocalScale(0.82), 1);
-  EXPECT_NEAR(FocalScale(0.9), 1.05, 1e-9);  // 9 to 1, not 4 to 1
-  is_doubtful_ = true;
+  EXPECT_NEAR(FocalScale(0.9), 1.05, 1e-9);
+  sigmas_ = 13;
   EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
 }
 
