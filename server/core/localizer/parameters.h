@@ -340,12 +340,29 @@ inline constexpr base::Parameter<double> kUnsureFocalOdds{
         "fewer correct if the answer's odds become so many times as large: "
         "those of the 12 at most 1.9. Of 161 corrections of one 5 % off (red "
         "kitchen) 151 stay, and all 179 of one 10 % off"};
-inline constexpr base::Parameter<double> kMinDoubtfulFocalSigmas{
-    .name = "min_doubtful_focal_sigmas",
+inline constexpr base::Parameter<double> kMinGuessedFocalSigmas{
+    .name = "min_guessed_focal_sigmas",
     .value = 1.5,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "... where another camera than the scene's is stated"};
+inline constexpr base::Parameter<double> kClearFocalSigmas{
+    .name = "clear_focal_sigmas",
+    .value = 5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and where that many want another one, the answer with it may even "
+        "be a little worse: an inexact map often fits a wrong focal length"};
+inline constexpr base::Parameter<double> kClearFocalOdds{
+    .name = "clear_focal_odds",
+    .value = 0.4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... of so many times the odds: with focal lengths 10 % too short to "
+        "15 % too long in halves of fr1/rpy 358 of 450 are right in place of "
+        "322, and one that is right loses nothing"};
 inline constexpr base::Parameter<double> kSameFocal{
     .name = "same_focal",
     .value = 0.02,

@@ -162,7 +162,7 @@ bool IsFocalKnown(const Query& query,
                   const std::optional<pose::FocalEstimate>& focal) {
   if (!query.is_focal_doubtful()) return true;
   return focal && focal->sigma <= kMaxKnownFocalSigma &&
-         !OtherFocal(focal, kMinDoubtfulFocalSigmas);
+         !OtherFocal(focal, kMinGuessedFocalSigmas);
 }
 
 // Depth that is registered to colour has the same camera.
@@ -221,6 +221,23 @@ std::optional<double> OtherFocal(
   return focal->scale;
 }
 
+FocalDoubt::FocalDoubt(bool may_be_guessed, double sigma_scale)
+    : may_be_guessed_(may_be_guessed),
+      sure_sigmas_(
+          std::max<double>(kSureFocalSigmas, kMinFocalSigmas * sigma_scale)) {}
+
+double FocalDoubt::min_sigmas() const {
+  return may_be_guessed_ ? kMinGuessedFocalSigmas : kMinFocalSigmas;
+}
+
+double FocalDoubt::NeededOdds(const pose::FocalEstimate& focal) const {
+  const double sigmas = LogError(focal) / focal.sigma;
+  if (may_be_guessed_) {
+    return sigmas < kClearFocalSigmas ? 1 : kClearFocalOdds.value;
+  }
+  return sigmas < sure_sigmas_ ? kUnsureFocalOdds.value : 1;
+}
+
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   Search search(*method.verifier, query);
   bool needs_fallback = true;
@@ -254,6 +271,17 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   return std::move(search).Take();
 }
 
+namespace {
+
+// Whether the answer with another focal length may stand in the place of that
+// with the stated one.
+bool MayReplace(const Verdict& other, const Verdict& stated, double odds) {
+  return (other.is_believed() || !stated.is_believed()) &&
+         OddsRatio(other, stated) >= odds;
+}
+
+}  // namespace
+
 absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
                                                    Query& query,
                                                    Corrections& corrections) {
@@ -263,17 +291,11 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
   if (best.focal && best.focal->sigma > 0) {
     corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
   }
-  const bool is_doubtful = query.is_focal_doubtful();
-  const double min_sigmas =
-      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
-  const double sure_sigmas =
-      is_doubtful
-          ? kMinDoubtfulFocalSigmas
-          : std::max<double>(kSureFocalSigmas,
-                             kMinFocalSigmas * method.focal_sigma_scale);
+  const FocalDoubt doubt(query.is_focal_doubtful(), method.focal_sigma_scale);
   const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
   for (int round = 0; round < rounds; ++round) {
-    const std::optional<double> other = OtherFocal(best.focal, min_sigmas);
+    const std::optional<double> other =
+        OtherFocal(best.focal, doubt.min_sigmas());
     if (!best.verdict || !other) break;
     Corrections tried = corrections;
     tried.focal_scale *= *other;
@@ -282,12 +304,8 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
     query.set_calibration(std::move(corrected));
     TL_ASSIGN_OR_RETURN(Selection selection,
                         SelectWithAnyDepth(method, query, tried.depth_scale));
-    if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
-      break;
-    }
-    // What the scene's map may have wrong has to be worth it.
-    if (!OtherFocal(best.focal, sure_sigmas) &&
-        OddsRatio(*selection.verdict, *best.verdict) < kUnsureFocalOdds) {
+    if (!selection.verdict || !MayReplace(*selection.verdict, *best.verdict,
+                                          doubt.NeededOdds(*best.focal))) {
       break;
     }
     best = std::move(selection);

@@ -77,11 +77,27 @@ struct Corrections {
   double focal_error_sigmas = 0;
 };
 
+// How much it takes to give up the focal length that a query states.
+class FocalDoubt {
+ public:
+  // One that may be a guess is given up for little; of one that is known, see
+  // ConfidenceModel for `sigma_scale`.
+  FocalDoubt(bool may_be_guessed, double sigma_scale);
+  // By how many of their standard deviations features want another one.
+  double min_sigmas() const;
+  // How many times the odds of the answer with the stated one those with that
+  // of the features have to be.
+  double NeededOdds(const pose::FocalEstimate& focal) const;
+
+ private:
+  const bool may_be_guessed_;
+  const double sure_sigmas_;
+};
+
 // As SelectCandidate, and asks again with the focal length that the features
-// speak for, as long as that gives a better answer: one of twice the odds
-// (kUnsureFocalOdds) where the stated one is no guess and the features are not
-// very sure. Likewise with another scale of depth. `corrections` become the
-// selection's, and `query` has the cameras that were tried last.
+// speak for, as long as that answer is good enough (FocalDoubt). Likewise with
+// another scale of depth. `corrections` become the selection's, and `query` has
+// the cameras that were tried last.
 absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
                                                    Query& query,
                                                    Corrections& corrections);

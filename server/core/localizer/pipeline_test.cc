@@ -298,6 +298,14 @@ TEST_F(OtherFocalAnswerTest, HasToBeMuchBetterWhereTheSceneStatesTooMuch) {
   EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
 }
 
+TEST_F(OtherFocalAnswerTest, MayBeALittleWorseForAGuessThatIsClearlyWrong) {
+  is_doubtful_ = true;
+  EXPECT_NEAR(FocalScale(0.7), 1.05, 1e-9);
+  EXPECT_EQ(FocalScale(0.6), 1);
+  sigmas_ = 3;
+  EXPECT_EQ(FocalScale(0.7), 1);
+}
+
 TEST_F(OtherFocalAnswerTest, IsNeverTakenForOneThatIsKnown) {
   method_.corrects_focal = false;
   EXPECT_EQ(FocalScale(0.99), 1);
