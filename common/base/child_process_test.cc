@@ -41,8 +41,7 @@ TEST(ChildProcessTest, StoppingEndsIt) {
 
 TEST(ChildProcessTest, ReadsWhatItIsSentUntilTheEnd) {
   const TestingFolder folder;
-  auto child =
-      ChildProcess::StartWithInput({"/bin/cat"}, folder.Path("log"));
+  auto child = ChildProcess::StartWithInput({"/bin/cat"}, folder.Path("log"));
   ASSERT_TRUE(child.ok()) << child.status();
   EXPECT_EQ(*(*child)->Send("one "), 4);
   EXPECT_EQ(*(*child)->Send("two"), 3);
@@ -55,14 +54,13 @@ TEST(ChildProcessTest, ReadsWhatItIsSentUntilTheEnd) {
 TEST(ChildProcessTest, SendingWaitsForNobody) {
   const TestingFolder folder;
   const std::string much(1 << 20, 'x');
-  auto deaf = ChildProcess::StartWithInput({"/bin/sleep", "600"},
-                                           folder.Path("deaf"));
+  auto deaf =
+      ChildProcess::StartWithInput({"/bin/sleep", "600"}, folder.Path("deaf"));
   ASSERT_TRUE(deaf.ok()) << deaf.status();
   EXPECT_LT(*(*deaf)->Send(much), much.size());
   EXPECT_EQ(*(*deaf)->Send(much), 0);
 
-  auto gone =
-      ChildProcess::StartWithInput({"/bin/true"}, folder.Path("gone"));
+  auto gone = ChildProcess::StartWithInput({"/bin/true"}, folder.Path("gone"));
   ASSERT_TRUE(gone.ok()) << gone.status();
   EXPECT_TRUE((*gone)->Wait({}).ok());
   EXPECT_TRUE(absl::IsUnavailable((*gone)->Send("anything").status()));

@@ -165,8 +165,7 @@ LiveMapStatus LiveMapper::Status() const {
 absl::Status LiveMapper::Finish() {
   TL_RETURN_IF_ERROR(log_->Flush());
   if (options_.scene != nullptr && mapper_ != nullptr) {
-    TL_ASSIGN_OR_RETURN(const mapping::RecordingMap drive, mapper_->Finish());
-    options_.scene->End(drive.map_from_base, sensors_.robot.base_from_camera);
+    options_.scene->End(mapper_->Trajectory(), sensors_.robot.base_from_camera);
   }
   return options_.picture_path.empty() ? absl::OkStatus() : Draw();
 }

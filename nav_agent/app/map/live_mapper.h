@@ -70,8 +70,7 @@ class LiveMapper {
   // lost is told by Status(), and is no error; a log that cannot be written is.
   absl::Status Poll();
   LiveMapStatus Status() const;
-  // Hands the rest of the log to the system, lets SLAM finish where a scene is
-  // learnt, and draws once more.
+  // Hands the rest of the log to the system, and draws once more.
   absl::Status Finish();
 
  private:

@@ -62,9 +62,10 @@ std::string Text(const geometry::Rigid3& pose) {
 
 absl::Status LiveSceneOptions::Validate() const {
   if (folder.find_first_of(" \t\n") != std::string::npos) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "'", folder, "': the scene can be learnt where the map's folder has no "
-        "blanks in its name"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", folder,
+                     "': the scene can be learnt where the map's folder has no "
+                     "blanks in its name"));
   }
   if (FindLearner(learner).empty()) {
     return absl::NotFoundError(
@@ -136,9 +137,9 @@ void LiveScene::GiveUp(const absl::Status& why) {
   waiting_.clear();
   unsent_.clear();
   if (learner_ != nullptr) learner_->CloseInput();
-  options_.say(absl::StrCat(
-      "The scene is learnt no further; the map is not concerned: ",
-      std::string(why.message())));
+  options_.say(
+      absl::StrCat("The scene is learnt no further; the map is not concerned: ",
+                   std::string(why.message())));
 }
 
 void LiveScene::Add(recording::LogFrame frame,
@@ -150,8 +151,8 @@ void LiveScene::Add(recording::LogFrame frame,
       return GiveUp(started);
     }
   } else if (*calibration_ != calibration) {
-    return GiveUp(absl::FailedPreconditionError(
-        "the camera's calibration has changed"));
+    return GiveUp(
+        absl::FailedPreconditionError("the camera's calibration has changed"));
   }
   waiting_.push_back(std::move(frame));
   if (waiting_.size() > kMaxWaiting) {
@@ -201,8 +202,8 @@ void LiveScene::HandOver(const recording::LogFrame& frame,
     std::filesystem::remove(handed_over.depth_path, ignored);
     return;
   }
-  absl::StrAppend(&unsent_, handed_over.color_path, " ",
-                  handed_over.depth_path, " ", Text(map_from_camera));
+  absl::StrAppend(&unsent_, handed_over.color_path, " ", handed_over.depth_path,
+                  " ", Text(map_from_camera));
   frames_.push_back(std::move(handed_over));
   ++status_.frames;
   if (frames_.size() > kKeptPictures) {
@@ -254,9 +255,8 @@ void LiveScene::Send() {
     return;
   }
   // Why, its log says.
-  GiveUp(absl::UnavailableError(
-      absl::StrCat("the learner has ended; ", options_.log, " says\n",
-                   learner_->Log())));
+  GiveUp(absl::UnavailableError(absl::StrCat(
+      "the learner has ended; ", options_.log, " says\n", learner_->Log())));
 }
 
 void LiveScene::Follow(std::span<const dataset::TimedPose> map_from_base,
@@ -274,7 +274,8 @@ void LiveScene::End(std::span<const dataset::TimedPose> map_from_base,
   Place(map_from_base, base_from_camera);
   status_.without_place += static_cast<int64_t>(waiting_.size());
   waiting_.clear();
-  CorrectBeyond(kEnd_m, kEnd_rad, map_from_base, base_from_camera);
+  CorrectBeyond(options_.moved_m, options_.moved_rad, map_from_base,
+                base_from_camera);
   absl::StrAppend(&unsent_, "end\n");
   SendAll(kEndPatience);
 }

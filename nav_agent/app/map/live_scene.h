@@ -85,7 +85,7 @@ class LiveScene {
               const geometry::Rigid3& base_from_camera);
 
   // The drive is over: as Follow, and no more frames will come. The learner
-  // makes the complete model.
+  // makes the complete model, in a second or two.
   void End(std::span<const dataset::TimedPose> map_from_base,
            const geometry::Rigid3& base_from_camera);
 
