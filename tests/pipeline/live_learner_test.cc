@@ -1,6 +1,9 @@
 // A scene that is learnt frame by frame, and what it answers meanwhile.
 #include "server/core/training/live_learner.h"
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -202,6 +205,31 @@ TEST_F(LiveLearnerTest, CorrectedPosesGiveWhatRightOnesGive) {
             CountRight(folder_.Path("right"), false));
   EXPECT_TRUE(absl::IsOutOfRange(drifted->Correct(kTaught, {})));
   EXPECT_TRUE(absl::IsFailedPrecondition(right->Correct(0, {})));
+}
+
+// It learns on, and says why poses stay as they are.
+TEST_F(LiveLearnerTest, WithoutRoomForSamplesPosesStay) {
+  const std::unique_ptr<LiveLearner> learner = Create(2, folder_.Path(""));
+  const geometry::Rigid3 pose = training::BoxRoomPoses(kFrames)[0];
+  ASSERT_TRUE(learner->Add("first", View(pose), pose).ok());
+  ASSERT_TRUE(learner->Correct(0, pose).ok());
+  {
+    // Files may have no more than that frame's samples.
+    rlimit limit{};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    const rlimit small{.rlim_cur = 500'000, .rlim_max = limit.rlim_max};
+    std::signal(SIGXFSZ, SIG_IGN);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    const auto added = learner->Add("second", View(pose), pose);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    ASSERT_TRUE(added.ok()) << added.status();
+  }
+  EXPECT_THAT(learner->Correct(0, pose).message(),
+              HasSubstr("poses cannot be corrected any more"));
+  EXPECT_TRUE(learner->Add("third", View(pose), pose).ok());
+  const auto model = learner->Finish();
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->info.training_frames, 3);
 }
 
 TEST_F(LiveLearnerTest, SaysWhatIsWrongWithAFrameAndGoesOn) {

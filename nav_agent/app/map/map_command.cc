@@ -261,6 +261,11 @@ void PrintScene(const LiveSceneStatus& status) {
                static_cast<long long>(status.without_place),
                static_cast<long long>(status.not_handed_over),
                static_cast<long long>(status.corrections), status.moved_m);
+  if (status.frames == 0) {
+    std::fprintf(stderr,
+                 "warning: no scene was learnt; that takes pictures with "
+                 "depth\n");
+  }
 }
 
 absl::StatusOr<std::unique_ptr<LiveScene>> OpenScene(const MapFlags& flags) {
