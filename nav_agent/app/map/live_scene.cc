@@ -247,16 +247,15 @@ void LiveScene::CorrectBeyond(double distance_m, double turn_rad,
 void LiveScene::Send() {
   if (has_given_up_ || learner_ == nullptr) return;
   const absl::StatusOr<size_t> sent = learner_->Send(unsent_);
-  if (sent.ok() && !learner_->ExitCode().has_value()) {
-    unsent_.erase(0, *sent);
-    if (unsent_.size() > kMaxUnsentBytes) {
-      GiveUp(absl::UnavailableError("the learner reads nothing any more"));
-    }
-    return;
+  if (sent.ok()) unsent_.erase(0, *sent);
+  // One that reads no more has ended, or will soon have.
+  if (const std::optional<int> code = learner_->ExitCode(); code.has_value()) {
+    GiveUp(absl::UnavailableError(absl::StrCat("the learner has ended with ",
+                                               *code, "; ", options_.log,
+                                               " says\n", learner_->Log())));
+  } else if (unsent_.size() > kMaxUnsentBytes) {
+    GiveUp(absl::UnavailableError("the learner reads nothing any more"));
   }
-  // Why, its log says.
-  GiveUp(absl::UnavailableError(absl::StrCat(
-      "the learner has ended; ", options_.log, " says\n", learner_->Log())));
 }
 
 void LiveScene::Follow(std::span<const dataset::TimedPose> map_from_base,

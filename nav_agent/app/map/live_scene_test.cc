@@ -135,6 +135,7 @@ TEST_F(LiveSceneTest, SaysOnceThatTheLearnerHasEnded) {
     scene->Follow(Straight(0.1 * i + 1), base_from_camera_);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
+  EXPECT_THAT(said_, HasSubstr("has ended with 3"));
   EXPECT_THAT(said_, HasSubstr("no room"));
   EXPECT_THAT(said_, HasSubstr("the map is not concerned"));
   said_.clear();
