@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -34,12 +35,43 @@ constexpr size_t kLogTail = 2000;
 
 absl::StatusOr<std::unique_ptr<ChildProcess>> ChildProcess::Start(
     const std::vector<std::string>& argv, const std::string& log) {
+  return Spawn(argv, log, -1);
+}
+
+absl::StatusOr<std::unique_ptr<ChildProcess>> ChildProcess::StartWithInput(
+    const std::vector<std::string>& argv, const std::string& log) {
+  std::array<int, 2> ends{-1, -1};
+  // A socket, since a pipe raises SIGPIPE where nobody reads.
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    return absl::UnavailableError(
+        absl::StrCat("input of ", argv[0], ": ", std::strerror(errno)));
+  }
+  const Descriptor its_end(ends[1]);
+  auto our_end = std::make_unique<Descriptor>(ends[0]);
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<ChildProcess> child,
+                      Spawn(argv, log, its_end.get()));
+  child->input_ = std::move(our_end);
+  return child;
+}
+
+absl::StatusOr<std::unique_ptr<ChildProcess>> ChildProcess::Spawn(
+    const std::vector<std::string>& argv, const std::string& log,
+    int its_input) {
   if (argv.empty()) return absl::InvalidArgumentError("no program was named");
   TL_RETURN_IF_ERROR(base::MakeParentFolder(log));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null",
-                                   O_RDONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  if (its_input >= 0) {
+    posix_spawn_file_actions_adddup2(&actions, its_input, STDIN_FILENO);
+    // A group of its own: a terminal's Ctrl-C is for the one in front.
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null",
+                                     O_RDONLY, 0);
+  }
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
                                    O_WRONLY | O_CREAT | O_TRUNC, 0644);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
@@ -49,8 +81,9 @@ absl::StatusOr<std::unique_ptr<ChildProcess>> ChildProcess::Start(
   for (std::string& argument : copies) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
   pid_t pid = 0;
-  const int error = posix_spawn(&pid, argv[0].c_str(), &actions, nullptr,
+  const int error = posix_spawn(&pid, argv[0].c_str(), &actions, &attributes,
                                 arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     return absl::NotFoundError(
@@ -80,6 +113,25 @@ std::optional<int> ChildProcess::ExitCode() {
   }
   return exit_code_;
 }
+
+absl::StatusOr<size_t> ChildProcess::Send(absl::string_view bytes) {
+  size_t sent = 0;
+  while (input_ != nullptr && sent < bytes.size()) {
+    const ssize_t some = send(input_->get(), bytes.data() + sent,
+                              bytes.size() - sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (some >= 0) {
+      sent += static_cast<size_t>(some);
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      return sent;
+    } else if (errno != EINTR) {
+      return absl::UnavailableError(
+          absl::StrCat(name_, " reads no more: ", std::strerror(errno)));
+    }
+  }
+  return sent;
+}
+
+void ChildProcess::CloseInput() { input_.reset(); }
 
 std::string ChildProcess::Log() const {
   absl::StatusOr<std::string> text = base::ReadFile(log_);

@@ -39,6 +39,33 @@ TEST(ChildProcessTest, StoppingEndsIt) {
   EXPECT_TRUE(absl::IsCancelled((*child)->Wait(stop.get_token())));
 }
 
+TEST(ChildProcessTest, ReadsWhatItIsSentUntilTheEnd) {
+  const TestingFolder folder;
+  auto child = ChildProcess::StartWithInput({"/bin/cat"}, folder.Path("log"));
+  ASSERT_TRUE(child.ok()) << child.status();
+  EXPECT_EQ(*(*child)->Send("one "), 4);
+  EXPECT_EQ(*(*child)->Send("two"), 3);
+  (*child)->CloseInput();
+  EXPECT_TRUE((*child)->Wait({}).ok());
+  EXPECT_EQ((*child)->Log(), "one two");
+}
+
+// Neither one that does not read nor one that is gone stops who sends.
+TEST(ChildProcessTest, SendingWaitsForNobody) {
+  const TestingFolder folder;
+  const std::string much(1 << 20, 'x');
+  auto deaf =
+      ChildProcess::StartWithInput({"/bin/sleep", "600"}, folder.Path("deaf"));
+  ASSERT_TRUE(deaf.ok()) << deaf.status();
+  EXPECT_LT(*(*deaf)->Send(much), much.size());
+  EXPECT_EQ(*(*deaf)->Send(much), 0);
+
+  auto gone = ChildProcess::StartWithInput({"/bin/true"}, folder.Path("gone"));
+  ASSERT_TRUE(gone.ok()) << gone.status();
+  EXPECT_TRUE((*gone)->Wait({}).ok());
+  EXPECT_TRUE(absl::IsUnavailable((*gone)->Send("anything").status()));
+}
+
 TEST(ChildProcessTest, AProgramThatIsNotThereIsNotFound) {
   const TestingFolder folder;
   EXPECT_TRUE(absl::IsNotFound(

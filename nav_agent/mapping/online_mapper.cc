@@ -210,6 +210,22 @@ std::optional<dataset::TimedPose> OnlineMapper::MapFromBase() const {
       .world_from_camera = treeline::mapping::MapFromBase(last_)};
 }
 
+std::vector<dataset::TimedPose> OnlineMapper::Trajectory() const {
+  return Timed(slam_->Trajectory());
+}
+
+std::vector<dataset::TimedPose> OnlineMapper::Timed(
+    const std::vector<TrajectoryPose>& trajectory) const {
+  std::vector<dataset::TimedPose> timed;
+  timed.reserve(trajectory.size());
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    timed.push_back(
+        {.time = odom_from_base_[i].time,
+         .world_from_camera = treeline::mapping::MapFromBase(trajectory[i])});
+  }
+  return timed;
+}
+
 absl::StatusOr<std::vector<FloorGrid>> OnlineMapper::Floors() const {
   return Floors(slam_->Trajectory());
 }
@@ -283,12 +299,7 @@ absl::StatusOr<RecordingMap> OnlineMapper::Finish() {
   RecordingMap mapping;
   mapping.laser = laser_;
   mapping.base_from_laser = robot_.base_from_laser;
-  mapping.map_from_base.reserve(trajectory.size());
-  for (size_t i = 0; i < trajectory.size(); ++i) {
-    mapping.map_from_base.push_back(
-        {.time = odom_from_base_[i].time,
-         .world_from_camera = treeline::mapping::MapFromBase(trajectory[i])});
-  }
+  mapping.map_from_base = Timed(trajectory);
   if (!trajectory.empty()) {
     last_ = trajectory.back();
   }

@@ -40,6 +40,10 @@ class OnlineMapper {
   std::optional<dataset::TimedPose> MapFromBase() const;
   int64_t scans() const { return static_cast<int64_t>(odom_from_base_.size()); }
 
+  // Where the robot was at each scan so far, with all corrections that have
+  // arrived; in the order of time.
+  std::vector<dataset::TimedPose> Trajectory() const;
+
   // What was seen so far, floor by floor, with what is known now. The errors of
   // MapGrid; nothing where too few scans were taken.
   absl::StatusOr<std::vector<FloorGrid>> Floors() const;
@@ -76,6 +80,8 @@ class OnlineMapper {
                    const geometry::Rigid2& first_from_last);
   void Forget();
   absl::StatusOr<std::vector<FloorGrid>> Floors(
+      const std::vector<TrajectoryPose>& trajectory) const;
+  std::vector<dataset::TimedPose> Timed(
       const std::vector<TrajectoryPose>& trajectory) const;
   std::vector<std::string> Warnings() const;
 

@@ -8,6 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "common/base/testing_folder.h"
@@ -44,11 +46,12 @@ class LearnLive : public testing::Test {
     return argv;
   }
   // The same with what `input` prints as standard input.
-  ProgramResult LiveFrom(const std::string& input) const {
-    const std::string command =
-        absl::StrCat(input, " | \"$0\" learn --live - --scene box --rate 0",
-                     " --repository '", folder_.Path("models"),
-                     "' --calibration '", folder_.Path("camera.json"), "'");
+  ProgramResult LiveFrom(const std::string& input,
+                         const std::string& more_flags = "") const {
+    const std::string command = absl::StrCat(
+        input, " | \"$0\" learn --live - --scene box --rate 0",
+        " --repository '", folder_.Path("models"), "' --calibration '",
+        folder_.Path("camera.json"), "' ", more_flags);
     return RunProgram({"/bin/sh", "-c", command, TREELINE_PROGRAM});
   }
   // Frame i as another program would name it.
@@ -113,6 +116,53 @@ TEST_F(LearnLive, LearnsWhatStandardInputNames) {
   EXPECT_THAT(result.err, HasSubstr("1 frames were left out"));
   EXPECT_THAT(result.err, HasSubstr("line 32"));
   EXPECT_TRUE(fs::exists(model()));
+}
+
+// Poses that were wrong and are put right before the end, and after it.
+TEST_F(LearnLive, CorrectsPoses) {
+  Record(30);
+  const std::vector<geometry::Rigid3> right = poses_;
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    poses_[i].translation.x += 0.05 * static_cast<double>(i);
+  }
+  std::string lines;
+  for (int i = 0; i < 30; ++i) absl::StrAppend(&lines, Line(i));
+  poses_ = right;
+  const auto correction = [this](int i) {
+    std::vector<std::string> fields = absl::StrSplit(Line(i), ' ');
+    fields.erase(fields.begin() + 1);
+    return absl::StrCat("pose ", absl::StrJoin(fields, " "));
+  };
+  for (int i = 0; i < 20; ++i) absl::StrAppend(&lines, correction(i));
+  absl::StrAppend(&lines, "pose nobody.jpg 0 0 0 0 0 0 1\nend\n", Line(0));
+  for (int i = 20; i < 30; ++i) absl::StrAppend(&lines, correction(i));
+  folder_.Write("lines", lines);
+  const std::string input = absl::StrCat("cat '", folder_.Path("lines"), "'");
+
+  const ProgramResult without = LiveFrom(input);
+  ASSERT_EQ(without.exit_code, 0) << without.err;
+  EXPECT_THAT(without.err, HasSubstr("31 poses were not corrected: that takes "
+                                     "--corrections"));
+  fs::remove_all(folder_.Path("models"));
+
+  const ProgramResult result = LiveFrom(input, "--corrections");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("30 frames"));
+  EXPECT_THAT(result.out, HasSubstr("poses of 10 frames corrected"));
+  EXPECT_THAT(result.err, HasSubstr("a frame after the end of frames"));
+  EXPECT_EQ(std::distance(
+                fs::directory_iterator(fs::path(model()).parent_path()), {}),
+            1);
+  folder_.Write("some.txt",
+                "seq-01/frame-000003\nseq-01/frame-000012\n"
+                "seq-01/frame-000027\n");
+  const ProgramResult evaluated = RunProgram(
+      {TREELINE_PROGRAM, "evaluate", "--model", model(), "--dataset",
+       "7scenes:" + folder_.Path("recording"), "--frames",
+       folder_.Path("some.txt"), "--color-camera", "PINHOLE,145,145,100,75",
+       "--depth-camera", "PINHOLE,145,145,100,75", "--quiet"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out, HasSubstr("within 5 cm / 5 deg      100.0 %"));
 }
 
 // Ctrl-C ends the frames; what was learnt stays.

@@ -1,9 +1,14 @@
 // A scene that is learnt frame by frame, and what it answers meanwhile.
 #include "server/core/training/live_learner.h"
 
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/file.h"
@@ -32,9 +37,11 @@ class LiveLearnerTest : public testing::Test {
   // more: then what was held back between the two has been asked about.
   static constexpr int kFrames = 125;
 
-  static std::unique_ptr<LiveLearner> Create(int threads = 2) {
-    auto learner = LiveLearner::Create(TREELINE_BASE_MODEL, Calibration(),
-                                       {.threads = threads});
+  static std::unique_ptr<LiveLearner> Create(int threads = 2,
+                                             std::string memory_folder = "") {
+    auto learner = LiveLearner::Create(
+        TREELINE_BASE_MODEL, Calibration(),
+        {.threads = threads, .memory_folder = std::move(memory_folder)});
     EXPECT_TRUE(learner.ok()) << learner.status();
     return *std::move(learner);
   }
@@ -62,8 +69,9 @@ class LiveLearnerTest : public testing::Test {
     return asked;
   }
   // Of 12 views between those learnt, those placed within 5 cm and 5 degrees.
-  // Wrong answers are failures.
-  static int CountRight(const std::string& path, bool with_depth) {
+  // Wrong answers are failures unless there may be some.
+  static int CountRight(const std::string& path, bool with_depth,
+                        bool may_be_wrong = false) {
     const auto localizer = localizer::OpenLocalizer(path);
     EXPECT_TRUE(localizer.ok()) << localizer.status();
     const std::vector<geometry::Rigid3> poses =
@@ -81,7 +89,9 @@ class LiveLearnerTest : public testing::Test {
           estimate->world_from_camera,
           camera::PoseOfSensor(depth_pose, camera::RgbdSensor::kDepth,
                                camera::RgbdSensor::kColor, Calibration()));
-      EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
+      if (!may_be_wrong) {
+        EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
+      }
       right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
     }
     return right;
@@ -138,6 +148,88 @@ TEST_F(LiveLearnerTest, DoesNotDependOnThreads) {
     return base::ReadFile(folder_.Path("model")).value();
   };
   EXPECT_TRUE(bytes(1) == bytes(3));
+}
+
+// As if SLAM had been off by more and more until it closed a loop.
+TEST_F(LiveLearnerTest, CorrectedPosesGiveWhatRightOnesGive) {
+  constexpr int kTaught = 50;  // some are held back
+  const std::vector<geometry::Rigid3> poses = training::BoxRoomPoses(kFrames);
+  const std::string memory = folder_.Path("");
+  const auto teach = [&](LiveLearner& learner, double drift_m) {
+    for (int i = 0; i < kTaught; ++i) {
+      const geometry::Rigid3& pose = poses[static_cast<size_t>(i)];
+      geometry::Rigid3 estimated = pose;
+      estimated.translation.x += drift_m * i;
+      ASSERT_TRUE(learner.Add("frame", View(pose), estimated).ok());
+    }
+  };
+  const auto write = [&](absl::StatusOr<training::LiveModel> model,
+                         const std::string& name) {
+    ASSERT_TRUE(model.ok()) << model.status();
+    ASSERT_TRUE(model->Write(folder_.Path(name)).ok());
+  };
+  const std::unique_ptr<LiveLearner> right = Create();
+  teach(*right, 0);
+  const auto right_model = right->Finish();
+  write(right_model, "right");
+
+  const std::unique_ptr<LiveLearner> drifted = Create(2, memory);
+  teach(*drifted, 0.02);
+  const auto correct = [&](int first, int end) {
+    for (int i = first; i < end; ++i) {
+      ASSERT_TRUE(drifted->Correct(i, poses[static_cast<size_t>(i)]).ok());
+    }
+  };
+  write(drifted->Model(), "drifted");
+  EXPECT_LT(CountRight(folder_.Path("drifted"), true, /*may_be_wrong=*/true),
+            CountRight(folder_.Path("right"), true));
+  // What is held back is corrected, too; and some of it at the end.
+  correct(0, 45);
+  EXPECT_TRUE(drifted->Model().ok());
+  EXPECT_TRUE(drifted->Finish().ok());
+  correct(45, kTaught);
+  const auto corrected = drifted->Model();
+  ASSERT_TRUE(corrected.ok()) << corrected.status();
+  // To the bit.
+  EXPECT_EQ(corrected->forest.payloads.size(),
+            right_model->forest.payloads.size());
+  EXPECT_EQ(std::memcmp(corrected->forest.payloads.data(),
+                        right_model->forest.payloads.data(),
+                        corrected->forest.payloads.size() *
+                            sizeof(corrected->forest.payloads[0])),
+            0);
+  write(corrected, "corrected");
+  EXPECT_EQ(CountRight(folder_.Path("corrected"), true),
+            CountRight(folder_.Path("right"), true));
+  EXPECT_EQ(CountRight(folder_.Path("corrected"), false),
+            CountRight(folder_.Path("right"), false));
+  EXPECT_TRUE(absl::IsOutOfRange(drifted->Correct(kTaught, {})));
+  EXPECT_TRUE(absl::IsFailedPrecondition(right->Correct(0, {})));
+}
+
+// It learns on, and says why poses stay as they are.
+TEST_F(LiveLearnerTest, WithoutRoomForSamplesPosesStay) {
+  const std::unique_ptr<LiveLearner> learner = Create(2, folder_.Path(""));
+  const geometry::Rigid3 pose = training::BoxRoomPoses(kFrames)[0];
+  ASSERT_TRUE(learner->Add("first", View(pose), pose).ok());
+  ASSERT_TRUE(learner->Correct(0, pose).ok());
+  {
+    // Files may have no more than that frame's samples.
+    rlimit limit{};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    const rlimit small{.rlim_cur = 500'000, .rlim_max = limit.rlim_max};
+    std::signal(SIGXFSZ, SIG_IGN);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    const auto added = learner->Add("second", View(pose), pose);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    ASSERT_TRUE(added.ok()) << added.status();
+  }
+  EXPECT_THAT(learner->Correct(0, pose).message(),
+              HasSubstr("poses cannot be corrected any more"));
+  EXPECT_TRUE(learner->Add("third", View(pose), pose).ok());
+  const auto model = learner->Finish();
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->info.training_frames, 3);
 }
 
 TEST_F(LiveLearnerTest, SaysWhatIsWrongWithAFrameAndGoesOn) {

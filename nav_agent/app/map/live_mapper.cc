@@ -11,10 +11,14 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "nav_agent/app/map/live_scene.h"
 #include "nav_agent/core/corrected_devices.h"
 
 namespace treeline::map_app {
 namespace {
+
+// Scans come more often; a learner publishes more seldom.
+constexpr std::chrono::milliseconds kFollowEvery(250);
 
 base::MonotonicTime::duration FromSeconds(double seconds) {
   return std::chrono::duration_cast<base::MonotonicTime::duration>(
@@ -39,7 +43,8 @@ LiveMapper::LiveMapper(const LiveSensors& sensors,
       options_(options),
       clock_(&clock),
       log_(std::move(log)),
-      next_picture_(clock.Now()) {}
+      next_picture_(clock.Now()),
+      next_follow_(clock.Now()) {}
 
 absl::StatusOr<std::unique_ptr<LiveMapper>> LiveMapper::Create(
     const LiveSensors& sensors, const LiveMapOptions& options,
@@ -90,7 +95,11 @@ absl::Status LiveMapper::TakeFrames() {
     TL_ASSIGN_OR_RETURN(
         recording::LogFrame encoded,
         recording::EncodeLogFrame(frame, options_.jpeg_quality));
-    TL_RETURN_IF_ERROR(log_->Write(std::move(encoded)));
+    TL_RETURN_IF_ERROR(log_->Write(encoded));
+    if (options_.scene != nullptr) {
+      encoded.stamp -= core::DelayOf(sensors_.correction.camera_delay_s);
+      options_.scene->Add(std::move(encoded), calibration);
+    }
     last_frame_ = frame.stamp;
     ++frames_;
   }
@@ -105,6 +114,12 @@ absl::Status LiveMapper::Poll() {
   }
   TL_RETURN_IF_ERROR(TakeScans());
   TL_RETURN_IF_ERROR(TakeFrames());
+  if (options_.scene != nullptr && mapper_ != nullptr &&
+      clock_->Now() >= next_follow_) {
+    next_follow_ = clock_->Now() + kFollowEvery;
+    options_.scene->Follow(mapper_->Trajectory(),
+                           sensors_.robot.base_from_camera);
+  }
   if (options_.picture_path.empty() || clock_->Now() < next_picture_) {
     return absl::OkStatus();
   }
@@ -149,6 +164,9 @@ LiveMapStatus LiveMapper::Status() const {
 
 absl::Status LiveMapper::Finish() {
   TL_RETURN_IF_ERROR(log_->Flush());
+  if (options_.scene != nullptr && mapper_ != nullptr) {
+    options_.scene->End(mapper_->Trajectory(), sensors_.robot.base_from_camera);
+  }
   return options_.picture_path.empty() ? absl::OkStatus() : Draw();
 }
 

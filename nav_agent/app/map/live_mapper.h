@@ -30,6 +30,8 @@ struct LiveSensors {
   core::SensorCorrection correction = {};
 };
 
+class LiveScene;
+
 struct LiveMapOptions {
   // Where the agent log is written; there must be none yet.
   std::string log_path;
@@ -40,6 +42,8 @@ struct LiveMapOptions {
   double frame_interval_s = 0.1;
   int jpeg_quality = 92;
   mapping::RecordingMapOptions drive;
+  // Is handed the frames that are recorded; null: nobody.
+  LiveScene* scene = nullptr;
 };
 
 struct LiveMapStatus {
@@ -87,6 +91,7 @@ class LiveMapper {
   std::optional<camera::RgbdCalibration> camera_;
   std::optional<base::MonotonicTime> last_frame_;
   base::MonotonicTime next_picture_;
+  base::MonotonicTime next_follow_;
   int64_t frames_ = 0;
 };
 

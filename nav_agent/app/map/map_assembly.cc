@@ -38,16 +38,15 @@ image::ColorImage PictureOfMap(const traversability::TraversableMap& levels,
   return picture;
 }
 
-// "maps/cafe/" is called cafe.
-std::string NameOf(const MapOptions& options) {
-  if (!options.name.empty()) return options.name;
+}  // namespace
+
+std::string MapOptions::SceneName() const {
+  if (!name.empty()) return name;
   const std::filesystem::path path =
-      std::filesystem::absolute(options.folder).lexically_normal();
+      std::filesystem::absolute(folder).lexically_normal();
   return path.filename().empty() ? path.parent_path().filename().string()
                                  : path.filename().string();
 }
-
-}  // namespace
 
 absl::Status MapOptions::Validate() const {
   if (folder.empty()) {
@@ -205,7 +204,7 @@ absl::StatusOr<MapSummary> MapAssembly::Write(
                    core::Occupancy::kFree);
   }
   TL_RETURN_IF_ERROR(map_bundle::FinishMapBundle(
-      options_.folder, {.name = NameOf(options_),
+      options_.folder, {.name = options_.SceneName(),
                         .source = provenance.source,
                         .method = provenance.method,
                         .trajectory_of = provenance.trajectory_of,

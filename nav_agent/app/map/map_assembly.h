@@ -43,6 +43,8 @@ struct MapOptions {
   uint64_t seed = 0;
 
   absl::Status Validate() const;
+  // Of the scene: "maps/cafe/" is called cafe.
+  std::string SceneName() const;
 };
 
 struct MapSummary {

@@ -16,6 +16,7 @@
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
 #include "nav_agent/app/map/live_drive.h"
+#include "nav_agent/app/map/live_scene.h"
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
 #include "nav_agent/app/ros/any_robot_file.h"
@@ -61,6 +62,7 @@ struct MapFlags {
   std::string log;
   bool is_live = false;
   LiveMappingOptions live;
+  LiveSceneOptions scene;
   dataset::DatasetOptions rgbd;
   std::string calibration;
   MapOptions map;
@@ -159,7 +161,8 @@ void SetOdometryNoise(
   }
 }
 
-absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
+absl::StatusOr<MapLogResult> RunLog(const MapFlags& flags,
+                                    const std::stop_token& stop) {
   MapLogOptions options;
   options.map = flags.map;
   SetOdometryNoise(flags.odometry_noise, flags.noise, options.drive);
@@ -183,7 +186,7 @@ absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(result.status());
   PrintSummary(*result);
   PrintSummary(result->summary);
-  return absl::OkStatus();
+  return result;
 }
 
 void PrintSummary(const MapRgbdResult& result) {
@@ -249,6 +252,35 @@ void PrintStatus(const LiveMapStatus& status) {
   std::fprintf(stderr, "%s\n", line.c_str());
 }
 
+void PrintScene(const LiveSceneStatus& status) {
+  std::fprintf(stderr,
+               "Handed %lld frames to the learner, %lld left out without a "
+               "place, %lld without room; corrected %lld times, at last by up "
+               "to %.3f m\n",
+               static_cast<long long>(status.frames),
+               static_cast<long long>(status.without_place),
+               static_cast<long long>(status.not_handed_over),
+               static_cast<long long>(status.corrections), status.moved_m);
+  if (status.frames == 0) {
+    std::fprintf(stderr,
+                 "warning: no scene was learnt; that takes pictures with "
+                 "depth\n");
+  }
+}
+
+absl::StatusOr<std::unique_ptr<LiveScene>> OpenScene(const MapFlags& flags) {
+  LiveSceneOptions options = flags.scene;
+  options.scene = flags.map.SceneName();
+  options.folder = flags.map.folder + "/learning";
+  options.log = flags.map.folder + "/learning.log";
+  options.keyframe_m = flags.map.keyframe_m;
+  options.keyframe_rad = flags.map.keyframe_rad;
+  options.say = [](const std::string& line) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+  };
+  return LiveScene::Create(options);
+}
+
 // Records a drive into the bundle's folder, and makes the map of it.
 absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(flags.live.Validate());
@@ -283,11 +315,23 @@ absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
                  "%s\n",
                  live.picture_path.c_str());
   }
+  std::unique_ptr<LiveScene> scene;
+  if (!flags.scene.repository.empty()) {
+    TL_ASSIGN_OR_RETURN(scene, OpenScene(flags));
+    live.scene = scene.get();
+  }
   TL_RETURN_IF_ERROR(RecordLiveDrive(flags.live, stop));
   std::fprintf(stderr, "Recorded in %s\n", live.log_path.c_str());
+  if (scene != nullptr) PrintScene(scene->status());
   flags.log = live.log_path;
   // The stop that ended the drive is not meant for the map.
-  return RunLog(flags, {});
+  TL_ASSIGN_OR_RETURN(const MapLogResult result, RunLog(flags, {}));
+  if (scene != nullptr && result.drive.robot.has_value()) {
+    scene->Finish(result.drive.map_from_base,
+                  result.drive.robot->base_from_camera, {});
+    PrintScene(scene->status());
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
@@ -305,6 +349,13 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
         "--robot is for --log; with --live, --hardware or --ros2 names the "
         "robot's file");
   }
+  if (!flags.scene.repository.empty() &&
+      (!flags.is_live || flags.live.camera == "none") &&
+      flags.live.hardware.empty() && flags.live.ros2.empty()) {
+    return absl::InvalidArgumentError(
+        "--learn is for --live with a camera; of a map that is there, "
+        "`treeline train --map` learns the scene");
+  }
   if (flags.is_live) return RunLive(flags, stop);
   if (!flags.robot.empty()) {
     TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
@@ -312,7 +363,8 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
     flags.correction = file.Correction();
     flags.noise = file.robot.noise;
   }
-  return flags.log.empty() ? RunRgbd(flags, stop) : RunLog(flags, stop);
+  return flags.log.empty() ? RunRgbd(flags, stop)
+                           : RunLog(flags, stop).status();
 }
 
 }  // namespace
@@ -387,6 +439,16 @@ cli::Command AddMapCommand(CLI::App& app) {
                    "--live: where the drive is recorded (default: drive.tlog "
                    "in the bundle)")
       ->type_name("FILE");
+  command
+      ->add_option("--learn", flags->scene.repository,
+                   "--live: learn the scene while the robot maps, into this "
+                   "server's folder of models")
+      ->type_name("MODELS");
+  command
+      ->add_option("--learner", flags->scene.learner,
+                   "--learn: the program `treeline` (default: beside this one, "
+                   "or in PATH)")
+      ->type_name("PROGRAM");
   command->add_option("--output", flags->map.folder, "The map bundle's folder")
       ->type_name("BUNDLE")
       ->required();

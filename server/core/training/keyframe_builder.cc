@@ -1,7 +1,9 @@
 #include "server/core/training/keyframe_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -53,6 +55,25 @@ std::vector<SelectedFrame> SelectFrames(
     thinned.push_back(selected[k * selected.size() / most]);
   }
   return thinned;
+}
+
+std::array<float, 3> Moved(const geometry::Rigid3& b_from_a,
+                           const std::array<float, 3>& in_a) {
+  const geometry::Vec3 in_b =
+      b_from_a * geometry::Vec3{in_a[0], in_a[1], in_a[2]};
+  return {static_cast<float>(in_b.x), static_cast<float>(in_b.y),
+          static_cast<float>(in_b.z)};
+}
+
+std::array<int8_t, 3> Turned(const geometry::Rotation3& b_from_a,
+                             const std::array<int8_t, 3>& in_a) {
+  const geometry::Vec3 in_b =
+      b_from_a * geometry::Vec3{static_cast<double>(in_a[0]),
+                                static_cast<double>(in_a[1]),
+                                static_cast<double>(in_a[2])};
+  return {static_cast<int8_t>(std::lround(in_b.x)),
+          static_cast<int8_t>(std::lround(in_b.y)),
+          static_cast<int8_t>(std::lround(in_b.z))};
 }
 
 // The normal of the surface at (x, y), towards the camera; nullopt where depth
@@ -201,25 +222,29 @@ KeyframeParts MakeKeyframe(const image::Frame& frame,
   return parts;
 }
 
-keyframes::Keyframes JoinKeyframes(
-    std::span<const std::shared_ptr<const KeyframeParts>> parts) {
+keyframes::Keyframes JoinKeyframes(std::span<const PlacedKeyframe> placed) {
   keyframes::Keyframes keyframes;
-  for (const std::shared_ptr<const KeyframeParts>& part : parts) {
+  for (const PlacedKeyframe& one : placed) {
     keyframes::KeyframeRecord record;
-    const geometry::Rigid3& pose = part->world_from_color;
+    const geometry::Rigid3& move = one.world_from_parts;
+    const geometry::Rigid3 pose = one.world_from_color();
     record.rotation = {pose.rotation.w, pose.rotation.x, pose.rotation.y,
                        pose.rotation.z};
     record.position_in_world = {pose.translation.x, pose.translation.y,
                                 pose.translation.z};
     record.first_point = static_cast<uint32_t>(keyframes.points.size());
-    record.points = static_cast<uint32_t>(part->points.size());
-    for (keyframes::KeyframeFeature feature : part->features) {
+    record.points = static_cast<uint32_t>(one.parts->points.size());
+    for (keyframes::KeyframeFeature feature : one.parts->features) {
       feature.keyframe = static_cast<uint32_t>(keyframes.records.size());
+      feature.position_in_world = Moved(move, feature.position_in_world);
       keyframes.features.push_back(feature);
     }
     keyframes.records.push_back(record);
-    keyframes.points.insert(keyframes.points.end(), part->points.begin(),
-                            part->points.end());
+    for (keyframes::KeyframePoint point : one.parts->points) {
+      point.position_in_world = Moved(move, point.position_in_world);
+      point.normal_in_world = Turned(move.rotation, point.normal_in_world);
+      keyframes.points.push_back(point);
+    }
   }
   return keyframes;
 }
@@ -231,11 +256,11 @@ absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
       SelectFrames(dataset, calibration, options);
   const image::DepthRegistrar registration(calibration);
   std::vector<absl::Status> statuses(selected.size());
-  std::vector<std::shared_ptr<const KeyframeParts>> parts(selected.size());
+  std::vector<PlacedKeyframe> placed(selected.size());
   const auto make = [&](size_t i) -> absl::Status {
     TL_ASSIGN_OR_RETURN(const image::Frame frame,
                         dataset.Load(selected[i].frame));
-    parts[i] = std::make_shared<const KeyframeParts>(MakeKeyframe(
+    placed[i].parts = std::make_shared<const KeyframeParts>(MakeKeyframe(
         frame, selected[i].world_from_color, registration, options));
     return absl::OkStatus();
   };
@@ -254,7 +279,7 @@ absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
     return absl::CancelledError("training was interrupted");
   }
   for (const absl::Status& status : statuses) TL_RETURN_IF_ERROR(status);
-  return JoinKeyframes(parts);
+  return JoinKeyframes(placed);
 }
 
 }  // namespace treeline::training

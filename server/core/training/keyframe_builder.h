@@ -49,9 +49,18 @@ KeyframeParts MakeKeyframe(const image::Frame& frame,
 bool AreApart(const geometry::Rigid3& world_from_a,
               const geometry::Rigid3& world_from_b, double spacing_m);
 
+// Parts that were made with poses of another world, and where that lies.
+struct PlacedKeyframe {
+  std::shared_ptr<const KeyframeParts> parts;
+  geometry::Rigid3 world_from_parts{};
+
+  geometry::Rigid3 world_from_color() const {
+    return world_from_parts * parts->world_from_color;
+  }
+};
+
 // In the order given.
-keyframes::Keyframes JoinKeyframes(
-    std::span<const std::shared_ptr<const KeyframeParts>> parts);
+keyframes::Keyframes JoinKeyframes(std::span<const PlacedKeyframe> placed);
 
 // Keyframes of the frames that have depth and a pose. Points stand on the
 // strongest edges of each cell of a grid, where depth is measured and smooth.

@@ -113,7 +113,7 @@ RoutedSamples LeafFiller::Route(int tree, const features::PlanarImage& image,
                           base_.tree_offsets[t],
                           base_.tree_offsets[t + 1] - base_.tree_offsets[t]),
                       image, {x, y, samples.inverse_depth_q12}, 1, routed.leaf);
-  routed.point_in_world = std::move(samples.point_in_world);
+  routed.point = std::move(samples.point_in_world);
   routed.descriptor = std::move(samples.descriptor);
   return routed;
 }
@@ -148,12 +148,19 @@ void LeafFiller::AddToNearest(geometry::Vec3 point,
   if (least.Yields()) least = own;
 }
 
-void LeafFiller::Add(int tree, const RoutedSamples& samples) {
+void LeafFiller::Add(int tree, const RoutedSamples& samples,
+                     const geometry::Rigid3& world_from_points) {
   std::vector<std::vector<Mode>>& modes = modes_[static_cast<size_t>(tree)];
   for (size_t i = 0; i < samples.size(); ++i) {
-    const Label& p = samples.point_in_world[i];
-    AddToNearest({p.x, p.y, p.z}, samples.descriptor[i],
-                 modes[samples.leaf[i]]);
+    const Label& p = samples.point[i];
+    AddToNearest(world_from_points * geometry::Vec3{p.x, p.y, p.z},
+                 samples.descriptor[i], modes[samples.leaf[i]]);
+  }
+}
+
+void LeafFiller::Empty(int tree) {
+  for (std::vector<Mode>& of_leaf : modes_[static_cast<size_t>(tree)]) {
+    of_leaf.clear();
   }
 }
 

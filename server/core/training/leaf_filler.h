@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/geometry/rigid3.h"
 #include "server/core/forest/forest.h"
 #include "server/core/training/tree_grower.h"
 
@@ -22,7 +23,8 @@ enum class Refill {
 // Samples that one frame sends down one tree; slot i belongs to sample i.
 struct RoutedSamples {
   std::vector<uint32_t> leaf;  // the leaf's node, within the tree
-  std::vector<Label> point_in_world;
+  // In a frame that LeafFiller::Add is told.
+  std::vector<Label> point;
   std::vector<features::WhtDescriptor> descriptor;
 
   size_t size() const { return leaf.size(); }
@@ -49,9 +51,14 @@ class LeafFiller {
   RoutedSamples Route(int tree, const features::PlanarImage& image,
                       TreeSamples samples) const;
 
-  // Adds samples that were routed down `tree`; their order matters. Trees may
-  // be filled on threads of their own.
-  void Add(int tree, const RoutedSamples& samples);
+  // Adds samples that were routed down `tree`; their order matters.
+  // world_from_points: where the frame of their points lies. Trees may be
+  // filled on threads of their own.
+  void Add(int tree, const RoutedSamples& samples,
+           const geometry::Rigid3& world_from_points = {});
+
+  // As if none had been added to `tree`, nor anything been there at first.
+  void Empty(int tree);
 
   // A tree as it is now: leaves that nothing reached, and the splits above
   // them, are left out; without leaves if nothing reached any. Modes of fewer

@@ -24,7 +24,7 @@ RoutedSamples At(const std::vector<float>& places) {
   RoutedSamples samples;
   for (const float x : places) {
     samples.leaf.push_back(0);
-    samples.point_in_world.push_back({x, 0, 0});
+    samples.point.push_back({x, 0, 0});
     samples.descriptor.emplace_back();
   }
   return samples;

@@ -77,8 +77,16 @@ absl::StatusOr<std::unique_ptr<LiveLearner>> LiveLearner::Create(
         base->info().part ? ", one tree of it," : "",
         " is no base to learn on; it must be of method rgbd or universal"));
   }
-  return std::unique_ptr<LiveLearner>(
+  std::unique_ptr<LiveLearner> learner(
       new LiveLearner(std::move(base), calibration, options));
+  if (!options.memory_folder.empty()) {
+    TL_ASSIGN_OR_RETURN(learner->memory_,
+                        SampleMemory::Open(options.memory_folder));
+  } else {
+    learner->memory_status_ = absl::FailedPreconditionError(
+        "no samples are kept, so that poses cannot be corrected");
+  }
+  return learner;
 }
 
 LiveLearner::LiveLearner(std::unique_ptr<const forest::ModelFile> base,
@@ -111,7 +119,8 @@ absl::StatusOr<std::optional<LiveTrials>> LiveLearner::Add(
   }
   TL_RETURN_IF_ERROR(CheckSizes(name, frame, geometry_.calibration()));
   TL_ASSIGN_OR_RETURN(Prepared prepared, Prepare(frame, world_from_sensor));
-  const int number = info_.training_frames;
+  const int number = prepared.number;
+  if (memory_ != nullptr) world_from_sensor_.push_back(world_from_sensor);
   if (number % words_every_ == 0) LearnWords(frame);
   for (const RoutedSamples& routed : prepared.routed) {
     info_.training_samples += static_cast<int64_t>(routed.size());
@@ -123,12 +132,9 @@ absl::StatusOr<std::optional<LiveTrials>> LiveLearner::Add(
     waiting_.push_back(std::move(prepared));
   }
   if (role == FrameRole::kHeldOut && number % kTrialEvery == 0) {
-    held_back_.push_back(
-        {.number = static_cast<uint64_t>(number),
-         .frame = frame,
-         .world_from_sensor = camera::PoseOfSensor(
-             world_from_sensor, geometry_.calibration().pose_sensor,
-             info_.calibration.pose_sensor, info_.calibration)});
+    held_back_.push_back({.number = static_cast<uint64_t>(number),
+                          .frame = frame,
+                          .world_from_sensor = ModelPose(world_from_sensor)});
   }
   ++info_.training_frames;
   if (!TrialsAreDue()) return std::nullopt;
@@ -142,55 +148,132 @@ absl::StatusOr<std::optional<LiveTrials>> LiveLearner::Add(
 absl::StatusOr<LiveLearner::Prepared> LiveLearner::Prepare(
     const image::Frame& frame, const geometry::Rigid3& world_from_sensor) {
   Prepared prepared;
+  prepared.number = info_.training_frames;
+  prepared.world_from_sensor = world_from_sensor;
   const features::PlanarImage image(frame.color);
-  const FrameSampler sampler(geometry_, frame, image, world_from_sensor,
-                             sampling_, info_.training_frames);
+  const geometry::Rigid3 own_world;
+  const FrameSampler sampler(geometry_, frame, image, own_world, sampling_,
+                             prepared.number);
   prepared.routed.resize(static_cast<size_t>(leaves_.trees()));
   base::ParallelFor(leaves_.trees(), options_.threads, [&](int64_t t) {
     const int tree = static_cast<int>(t);
     prepared.routed[static_cast<size_t>(t)] =
         leaves_.Route(tree, image, sampler.Draw(tree));
   });
-  const geometry::Rigid3 world_from_color = camera::PoseOfSensor(
-      world_from_sensor, geometry_.calibration().pose_sensor,
-      camera::RgbdSensor::kColor, geometry_.calibration());
-  if (IsNewView(world_from_color)) {
+  const geometry::Rigid3 sensor_from_color =
+      camera::PoseOfSensor(own_world, geometry_.calibration().pose_sensor,
+                           camera::RgbdSensor::kColor, geometry_.calibration());
+  if (IsNewView(world_from_sensor * sensor_from_color)) {
     prepared.keyframe = std::make_shared<const KeyframeParts>(MakeKeyframe(
-        frame, world_from_color, registration_, keyframe_options_));
+        frame, sensor_from_color, registration_, keyframe_options_));
   }
   return prepared;
 }
 
 bool LiveLearner::IsNewView(const geometry::Rigid3& world_from_color) const {
-  const auto is_apart = [&](const std::shared_ptr<const KeyframeParts>& known) {
-    return known == nullptr ||
-           AreApart(known->world_from_color, world_from_color,
+  const auto is_apart = [&](const PlacedKeyframe& known) {
+    return AreApart(known.world_from_color(), world_from_color,
                     keyframe_options_.spacing_m);
   };
-  return std::ranges::all_of(keyframes_, is_apart) &&
-         std::ranges::all_of(waiting_, is_apart, &Prepared::keyframe);
+  return std::ranges::all_of(keyframes_, is_apart, &KeptKeyframe::placed) &&
+         std::ranges::all_of(waiting_, [&](const Prepared& waiting) {
+           return waiting.keyframe == nullptr ||
+                  is_apart({waiting.keyframe, waiting.world_from_sensor});
+         });
 }
 
 void LiveLearner::Learn(Prepared prepared) {
   base::ParallelFor(leaves_.trees(), options_.threads, [&](int64_t t) {
-    leaves_.Add(static_cast<int>(t), prepared.routed[static_cast<size_t>(t)]);
+    leaves_.Add(static_cast<int>(t), prepared.routed[static_cast<size_t>(t)],
+                prepared.world_from_sensor);
   });
+  Keep(prepared);
   if (prepared.keyframe == nullptr) return;
-  keyframes_.push_back(std::move(prepared.keyframe));
+  keyframes_.push_back(
+      {.frame = prepared.number,
+       .placed = {.parts = std::move(prepared.keyframe),
+                  .world_from_parts = prepared.world_from_sensor}});
   if (keyframes_.size() >
       static_cast<size_t>(keyframe_options_.max_keyframes)) {
     KeepFewerKeyframes();
   }
 }
 
+// Without room poses stay as they are; what is known is not lost.
+void LiveLearner::Keep(const Prepared& prepared) {
+  if (memory_ == nullptr) return;
+  if (const absl::Status added = memory_->Add(prepared.routed); !added.ok()) {
+    memory_status_ = absl::FailedPreconditionError(
+        absl::StrCat("poses cannot be corrected any more: ", added.message()));
+    memory_.reset();
+    is_moved_ = false;
+    return;
+  }
+  kept_frames_.push_back(prepared.number);
+}
+
+absl::Status LiveLearner::Correct(int frame,
+                                  const geometry::Rigid3& world_from_sensor) {
+  TL_RETURN_IF_ERROR(memory_status_);
+  if (frame < 0 || frame >= frames()) {
+    return absl::OutOfRangeError(
+        absl::StrCat("there is no frame number ", frame));
+  }
+  world_from_sensor_[static_cast<size_t>(frame)] = world_from_sensor;
+  is_moved_ = true;
+  for (Prepared& waiting : waiting_) {
+    if (waiting.number == frame) waiting.world_from_sensor = world_from_sensor;
+  }
+  for (LiveTrials::HeldBack& held_back : held_back_) {
+    if (held_back.number == static_cast<uint64_t>(frame)) {
+      held_back.world_from_sensor = ModelPose(world_from_sensor);
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Fills the leaves again, as poses are now.
+absl::Status LiveLearner::Settle() {
+  if (!is_moved_) return absl::OkStatus();
+  std::vector<absl::Status> statuses(static_cast<size_t>(leaves_.trees()));
+  base::ParallelFor(leaves_.trees(), options_.threads, [&](int64_t t) {
+    const int tree = static_cast<int>(t);
+    leaves_.Empty(tree);
+    for (size_t i = 0; i < kept_frames_.size(); ++i) {
+      const absl::StatusOr<RoutedSamples> samples = memory_->Read(i, tree);
+      if (!samples.ok()) {
+        statuses[static_cast<size_t>(t)] = samples.status();
+        return;
+      }
+      leaves_.Add(tree, *samples,
+                  world_from_sensor_[static_cast<size_t>(kept_frames_[i])]);
+    }
+  });
+  for (const absl::Status& status : statuses) TL_RETURN_IF_ERROR(status);
+  for (KeptKeyframe& keyframe : keyframes_) {
+    keyframe.placed.world_from_parts =
+        world_from_sensor_[static_cast<size_t>(keyframe.frame)];
+  }
+  is_moved_ = false;
+  return absl::OkStatus();
+}
+
+geometry::Rigid3 LiveLearner::ModelPose(
+    const geometry::Rigid3& world_from_sensor) const {
+  return camera::PoseOfSensor(world_from_sensor,
+                              geometry_.calibration().pose_sensor,
+                              info_.calibration.pose_sensor, info_.calibration);
+}
+
 void LiveLearner::KeepFewerKeyframes() {
   while (keyframes_.size() >
          static_cast<size_t>(keyframe_options_.max_keyframes)) {
     keyframe_options_.spacing_m *= kSpacingGrowth;
-    std::vector<std::shared_ptr<const KeyframeParts>> kept;
-    for (const std::shared_ptr<const KeyframeParts>& keyframe : keyframes_) {
-      if (std::ranges::all_of(kept, [&](const auto& other) {
-            return AreApart(other->world_from_color, keyframe->world_from_color,
+    std::vector<KeptKeyframe> kept;
+    for (const KeptKeyframe& keyframe : keyframes_) {
+      if (std::ranges::all_of(kept, [&](const KeptKeyframe& other) {
+            return AreApart(other.placed.world_from_color(),
+                            keyframe.placed.world_from_color(),
                             keyframe_options_.spacing_m);
           })) {
         kept.push_back(keyframe);
@@ -259,7 +342,8 @@ void LiveLearner::SetConfidence(LiveModel& model) const {
   model.info.confidence = confidence;
 }
 
-absl::StatusOr<LiveModel> LiveLearner::Model() const {
+absl::StatusOr<LiveModel> LiveLearner::Model() {
+  TL_RETURN_IF_ERROR(Settle());
   LiveModel model;
   model.info = info_;
   std::vector<GrownTree> trees(static_cast<size_t>(leaves_.trees()));
@@ -274,7 +358,9 @@ absl::StatusOr<LiveModel> LiveLearner::Model() const {
         "and the depth camera");
   }
   model.forest = QuantizeForest(std::move(trees));
-  model.keyframes = keyframes_;
+  for (const KeptKeyframe& keyframe : keyframes_) {
+    model.keyframes.push_back(keyframe.placed);
+  }
   for (const std::vector<uint32_t>& words : words_) {
     model.appearance.Add(words);
   }

@@ -22,6 +22,7 @@
 #include "server/core/training/confidence_fitter.h"
 #include "server/core/training/keyframe_builder.h"
 #include "server/core/training/leaf_filler.h"
+#include "server/core/training/sample_memory.h"
 #include "server/core/training/training_options.h"
 
 namespace treeline::training {
@@ -35,6 +36,9 @@ struct LiveOptions {
   std::string created_utc{};
   std::string dataset{};
   std::vector<std::pair<std::string, std::string>> recorded_options{};
+  // Where the samples of frames are kept (SampleMemory), so that poses can be
+  // corrected; empty: they cannot.
+  std::string memory_folder{};
 };
 
 // What is known at one moment, ready to be written. A value that shares no
@@ -42,7 +46,7 @@ struct LiveOptions {
 struct LiveModel {
   forest::ModelInfo info;
   forest::Forest forest;
-  std::vector<std::shared_ptr<const KeyframeParts>> keyframes;
+  std::vector<PlacedKeyframe> keyframes;
   recognition::SceneDescriptor appearance;
   // Views that were held back, whole, with depth and without: asked about,
   // answered rightly and wrongly with the threshold of today.
@@ -83,8 +87,13 @@ struct LiveTrials {
 // blocks of frames are held back with gaps around them. Once the model has
 // learnt what comes after a block, it is asked about it, and then learns it.
 //
+// Poses may be corrected: of a frame is kept what it sends down the trees, in
+// the frame of its sensor, and the leaves are filled again. That gives the same
+// leaves as if the poses had been right from the beginning. It takes disk, not
+// memory: 0.4 MB a frame.
+//
 // What is learnt is a function of base, calibration, options, frames and
-// trials, in their order. Not thread-safe.
+// trials, in their order, and of corrections. Not thread-safe.
 class LiveLearner {
  public:
   // `base_model` has the forest of method rgbd or universal, of any scene, as
@@ -102,6 +111,11 @@ class LiveLearner {
       const std::string& name, const image::Frame& frame,
       const geometry::Rigid3& world_from_sensor);
 
+  // The pose of frame number `frame`, in the order of Add, is now this.
+  // FAILED_PRECONDITION where poses cannot be corrected, also because there was
+  // no room for samples; OUT_OF_RANGE: there was no such frame.
+  absl::Status Correct(int frame, const geometry::Rigid3& world_from_sensor);
+
   // The outcome for one frame of the trials that Add gave. Of many frames, some
   // are remembered, each with the same chance.
   void AddTrials(std::vector<ConfidenceTrial> trials);
@@ -109,17 +123,25 @@ class LiveLearner {
   int frames() const { return info_.training_frames; }
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
 
-  // The model so far, without the few frames that are held back now.
-  // FAILED_PRECONDITION: no frame had usable depth.
-  absl::StatusOr<LiveModel> Model() const;
-  // With them; no more frames may come.
+  // The model so far, without the few frames that are held back now. After
+  // corrections leaves are filled again, 2 ms a frame. FAILED_PRECONDITION: no
+  // frame had usable depth. DATA_LOSS: the samples that were kept are gone.
+  absl::StatusOr<LiveModel> Model();
+  // With them; no more frames may come, but poses may be corrected, which
+  // Model then has.
   absl::StatusOr<LiveModel> Finish();
 
  private:
-  // What is left of a frame once it is taken in.
+  // What is left of a frame once it is taken in; its world is its own sensor.
   struct Prepared {
+    int number = 0;
+    geometry::Rigid3 world_from_sensor;
     std::vector<RoutedSamples> routed;              // by tree
     std::shared_ptr<const KeyframeParts> keyframe;  // null: its view is known
+  };
+  struct KeptKeyframe {
+    int frame = 0;
+    PlacedKeyframe placed;
   };
 
   LiveLearner(std::unique_ptr<const forest::ModelFile> base,
@@ -129,7 +151,11 @@ class LiveLearner {
   absl::StatusOr<Prepared> Prepare(const image::Frame& frame,
                                    const geometry::Rigid3& world_from_sensor);
   bool IsNewView(const geometry::Rigid3& world_from_color) const;
+  // Of the model's pose sensor.
+  geometry::Rigid3 ModelPose(const geometry::Rigid3& world_from_sensor) const;
   void Learn(Prepared prepared);
+  void Keep(const Prepared& prepared);
+  absl::Status Settle();
   void KeepFewerKeyframes();
   void LearnWords(const image::Frame& frame);
   bool TrialsAreDue() const;
@@ -145,7 +171,14 @@ class LiveLearner {
   const image::DepthRegistrar registration_;
   LeafFiller leaves_;
   forest::ModelInfo info_;
-  std::vector<std::shared_ptr<const KeyframeParts>> keyframes_;
+  std::vector<KeptKeyframe> keyframes_;
+  // Of each frame, and of what is kept of those that were learnt; only where
+  // poses can be corrected.
+  std::vector<geometry::Rigid3> world_from_sensor_;
+  std::vector<int> kept_frames_;
+  std::unique_ptr<SampleMemory> memory_;
+  absl::Status memory_status_;
+  bool is_moved_ = false;  // since the leaves were filled
   // Words of every n-th frame; fewer of them when there are too many.
   recognition::AppearanceWords appearance_;
   std::vector<std::vector<uint32_t>> words_;

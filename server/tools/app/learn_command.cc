@@ -44,7 +44,12 @@ Poses are needed. A recording with depth and without poses gets them from
 Learning while frames arrive (--live): a recording is played at its pace, or
 another program names frames on standard input, a line each,
   COLOR DEPTH tx ty tz qx qy qz qw
-two picture files and the pose, world from camera (m, quaternion). Trees are
+two picture files and the pose, world from camera (m, quaternion). With
+--corrections a line may also correct the pose of a frame that came before, or
+say that no more frames will come:
+  pose COLOR tx ty tz qx qy qz qw
+  end
+Trees are
 those of a base, their leaves are filled, views and features are added: steps 1,
 4, 5 and 6 and the page fall away. The version in the repository has the model so
 far, renewed as it grows (a server with --poll-s 1 takes it), and the complete
@@ -157,6 +162,12 @@ void AddLiveFlags(CLI::App& command, LiveFlags& live) {
       "Model whose trees are kept, of method universal or rgbd and of any "
       "scene (default: the one that comes with Treeline)",
       "MODEL");
+  command
+      .add_flag("--corrections", live.takes_corrections,
+                "Standard input may correct poses of frames that came before; "
+                "takes 0.4 MB of disk a frame meanwhile")
+      ->group(kGroup)
+      ->needs(is_live);
 }
 
 absl::Status Learn(LearnOptions options, const std::stop_token& stop) {

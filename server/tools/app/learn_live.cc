@@ -9,7 +9,9 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <unordered_map>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -45,6 +47,8 @@ constexpr const char* kStandardInput = "-";
 constexpr double kMillimetre_m = 0.001;
 // The first model so far comes no later than this (s).
 constexpr double kFirstModel_s = 1;
+// So many times as long as putting a model together took, none is begun.
+constexpr double kRestAfterModel = 4;
 
 // Does one thing at a time, beside the frames.
 class Background {
@@ -226,32 +230,86 @@ class LiveRun {
         {.rate_hz = source_.recording != nullptr ? options_.live.rate_hz : 0,
          .waits = waits},
         stop);
-    while (std::optional<ArrivedFrame> frame = feed.Next()) {
-      const absl::Status learnt = Take(*frame);
-      if (!learnt.ok()) feed.CountUnreadable(learnt);
+    while (std::optional<learning::Arrival> arrival = feed.Next()) {
+      if (std::holds_alternative<learning::EndOfFrames>(*arrival)) {
+        if (!is_complete_) TL_RETURN_IF_ERROR(Complete(feed, stop));
+        continue;
+      }
+      if (const auto* frame = std::get_if<ArrivedFrame>(&*arrival)) {
+        const absl::Status learnt = Take(*frame);
+        if (!learnt.ok()) feed.CountUnreadable(learnt);
+      } else {
+        Correct(std::get<learning::PoseCorrection>(*arrival));
+      }
+      if (is_complete_) continue;
       CollectTrials();
       PublishIfDue();
       Show(feed.counts());
     }
+    if (!is_complete_) {
+      TL_RETURN_IF_ERROR(Complete(feed, stop));
+    } else if (corrected_ > 0) {
+      TL_RETURN_IF_ERROR(WriteCorrected());
+    }
+    Warn(feed.counts());
+    return feed.status();
+  }
+
+ private:
+  // No more frames will come.
+  absl::Status Complete(const LiveFeed& feed, const std::stop_token& stop) {
     display_.Clear();
     const LiveFeedCounts counts = feed.counts();
     if (learner_->frames() == 0) {
       TL_RETURN_IF_ERROR(feed.status());
       return NothingLearnt(counts);
     }
+    is_complete_ = true;
     // The answer shall not wait for more trials, unless nothing hurries.
-    if (!waits || stop.stop_requested()) stop_trials_.request_stop();
+    if (options_.live.rate_hz > 0 || stop.stop_requested()) {
+      stop_trials_.request_stop();
+    }
     background_.Wait();
     CollectTrials();
     TL_ASSIGN_OR_RETURN(training::LiveModel model, learner_->Finish());
     TL_RETURN_IF_ERROR(Write(model));
     Conclude(model, counts,
              base::SecondsBetween(feed.last_arrival(), clock_.Now()));
-    return feed.status();
+    corrected_ = 0;
+    return absl::OkStatus();
   }
 
- private:
+  // The complete model, after poses were corrected once more.
+  absl::Status WriteCorrected() {
+    const base::MonotonicTime begin = clock_.Now();
+    TL_ASSIGN_OR_RETURN(training::LiveModel model, learner_->Model());
+    TL_RETURN_IF_ERROR(Write(model));
+    absl::PrintF("%s: poses of %d frames corrected, in %.2f s\n", path_,
+                 corrected_, base::SecondsBetween(begin, clock_.Now()));
+    std::fflush(stdout);
+    return absl::OkStatus();
+  }
+
+  // Of a frame that was skipped, or could not be read, nothing is to be
+  // corrected.
+  void Correct(const learning::PoseCorrection& correction) {
+    absl::Status status;
+    if (options_.live.takes_corrections) {
+      const auto number = numbers_.find(correction.color_path);
+      if (number == numbers_.end()) return;
+      status = learner_->Correct(number->second, correction.world_from_sensor);
+    } else {
+      status = absl::InvalidArgumentError("that takes --corrections");
+    }
+    ++(status.ok() ? corrected_ : not_corrected_);
+    correction_status_.Update(status);
+  }
+
   absl::Status Take(const ArrivedFrame& arrived) {
+    if (is_complete_) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(arrived.name, ": a frame after the end of frames"));
+    }
     image::Frame frame;
     absl::StatusOr<image::ColorImage> color = image::DecodeColor(arrived.color);
     if (!color.ok()) return base::Annotate(color.status(), arrived.name);
@@ -266,6 +324,9 @@ class LiveRun {
     TL_ASSIGN_OR_RETURN(
         std::optional<training::LiveTrials> trials,
         learner_->Add(arrived.name, frame, arrived.world_from_sensor));
+    if (options_.live.takes_corrections) {
+      numbers_[arrived.name] = learner_->frames() - 1;
+    }
     if (!trials) return absl::OkStatus();
     const auto asked =
         std::make_shared<const training::LiveTrials>(*std::move(trials));
@@ -294,16 +355,20 @@ class LiveRun {
 
   // The model so far, in the place where the complete one will be.
   void PublishIfDue() {
+    // Filling leaves again is work that grows with the number of frames.
     const double every_s =
         shown_.empty() ? std::min(options_.live.publish_every_s, kFirstModel_s)
-                       : options_.live.publish_every_s;
+                       : std::max(options_.live.publish_every_s,
+                                  kRestAfterModel * model_took_s_);
     if (base::SecondsBetween(last_published_, clock_.Now()) < every_s ||
         !background_.IsIdle()) {
       return;
     }
+    const base::MonotonicTime begin = clock_.Now();
     absl::StatusOr<training::LiveModel> model = learner_->Model();
     if (!model.ok()) return;  // nothing with depth was seen yet
     last_published_ = clock_.Now();
+    model_took_s_ = base::SecondsBetween(begin, last_published_);
     shown_ = absl::StrFormat("; model of %d frames is there",
                              model->info.training_frames);
     if (model->asked > 0) {
@@ -342,8 +407,7 @@ class LiveRun {
                      std::string(counts.first_unreadable.message())));
   }
 
-  void Conclude(const training::LiveModel& model, const LiveFeedCounts& counts,
-                double seconds_after) {
+  void Warn(const LiveFeedCounts& counts) {
     {
       absl::MutexLock lock(&mutex_);
       if (!background_status_.ok()) {
@@ -356,6 +420,15 @@ class LiveRun {
                    static_cast<int>(counts.unreadable),
                    std::string(counts.first_unreadable.message()).c_str());
     }
+    if (not_corrected_ > 0) {
+      std::fprintf(stderr, "warning: %d poses were not corrected: %s\n",
+                   not_corrected_,
+                   std::string(correction_status_.message()).c_str());
+    }
+  }
+
+  void Conclude(const training::LiveModel& model, const LiveFeedCounts& counts,
+                double seconds_after) {
     // Without a pace there is no last moment to count from.
     const std::string after =
         options_.live.rate_hz > 0
@@ -397,6 +470,14 @@ class LiveRun {
   const base::SteadyClock clock_;
   base::MonotonicTime start_;
   base::MonotonicTime last_published_;
+  double model_took_s_ = 0;
+  bool is_complete_ = false;
+  // Frames by the names of their colour pictures, where poses are corrected;
+  // and how many were, since the complete model was written.
+  std::unordered_map<std::string, int> numbers_;
+  int corrected_ = 0;
+  int not_corrected_ = 0;
+  absl::Status correction_status_;
   base::LiveDisplay display_;
   std::string shown_;  // of the model that was published last
   std::stop_source stop_trials_;
@@ -438,19 +519,25 @@ absl::Status LearnLive(const LearnOptions& given, const std::stop_token& stop) {
                                                ? OpenStandardInput(options)
                                                : OpenRecording(options, stop));
   TL_RETURN_IF_ERROR(repository::CheckName("--scene", options.scene));
-  TL_ASSIGN_OR_RETURN(std::unique_ptr<training::LiveLearner> learner,
-                      training::LiveLearner::Create(
-                          options.live.base_model, source.calibration,
-                          {.seed = options.training.seed,
-                           .threads = options.training.threads,
-                           .software_version = base::Version(),
-                           .created_utc = tools::UtcNow(),
-                           .dataset = source.name,
-                           .recorded_options = RecordedLiveOptions(given)}));
   TL_ASSIGN_OR_RETURN(const std::string path,
                       tools::NextModelPath(options.repository, options.scene));
-  LiveRun run(options, std::move(source), std::move(learner), path);
-  const absl::Status status = run.Run(stop);
+  absl::StatusOr<std::unique_ptr<training::LiveLearner>> learner =
+      training::LiveLearner::Create(
+          options.live.base_model, source.calibration,
+          {.seed = options.training.seed,
+           .threads = options.training.threads,
+           .software_version = base::Version(),
+           .created_utc = tools::UtcNow(),
+           .dataset = source.name,
+           .recorded_options = RecordedLiveOptions(given),
+           .memory_folder = options.live.takes_corrections
+                                ? path.substr(0, path.rfind('/'))
+                                : ""});
+  absl::Status status = learner.status();
+  if (status.ok()) {
+    LiveRun run(options, std::move(source), *std::move(learner), path);
+    status = run.Run(stop);
+  }
   if (!status.ok()) tools::RemoveEmptyVersion(path);
   return status;
 }

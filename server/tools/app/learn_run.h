@@ -21,6 +21,8 @@ struct LiveFlags {
   double publish_every_s = 5;
   // Whose splits are kept; empty: the base that comes with the program.
   std::string base_model;
+  // Poses of frames may be corrected; of each is kept what that needs.
+  bool takes_corrections = false;
 };
 
 struct LearnOptions {

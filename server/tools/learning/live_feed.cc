@@ -29,19 +29,27 @@ void LiveFeed::Run() {
   const std::stop_token stop = own_stop_.get_token();
   const base::MonotonicTime start = clock_.Now();
   for (int64_t number = 0;; ++number) {
-    absl::StatusOr<std::optional<LiveFrame>> frame = source_->Next(stop);
-    if (absl::IsInvalidArgument(frame.status()) && !stop.stop_requested()) {
+    absl::StatusOr<std::optional<LiveItem>> item = source_->Next(stop);
+    if (absl::IsInvalidArgument(item.status()) && !stop.stop_requested()) {
       absl::MutexLock lock(&mutex_);
       ++counts_.arrived;
       ++counts_.unreadable;
-      counts_.first_unreadable.Update(frame.status());
+      counts_.first_unreadable.Update(item.status());
       continue;
     }
-    if (!frame.ok() || !*frame || stop.stop_requested()) {
+    if (!item.ok() || !*item || stop.stop_requested()) {
       absl::MutexLock lock(&mutex_);
-      if (!stop.stop_requested()) status_ = frame.status();
+      if (!stop.stop_requested()) status_ = item.status();
       ended_ = true;
       return;
+    }
+    if (auto* correction = std::get_if<PoseCorrection>(&**item)) {
+      PushOther(std::move(*correction));
+      continue;
+    }
+    if (std::holds_alternative<EndOfFrames>(**item)) {
+      PushOther(EndOfFrames());
+      continue;
     }
     if (options_.rate_hz > 0) {
       WaitUntil(start +
@@ -50,7 +58,7 @@ void LiveFeed::Run() {
                                                   options_.rate_hz)));
       if (stop.stop_requested()) continue;
     }
-    Push(**frame, clock_.Now());
+    Push(std::get<LiveFrame>(**item), clock_.Now());
   }
 }
 
@@ -65,7 +73,7 @@ void LiveFeed::WaitUntil(base::MonotonicTime due) const {
 
 bool LiveFeed::TakeRoom() {
   const auto has_room = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return frames_.size() < options_.capacity;
+    return frames_ < options_.capacity;
   };
   absl::MutexLock lock(&mutex_);
   while (!has_room() && options_.waits && !own_stop_.stop_requested()) {
@@ -100,18 +108,25 @@ void LiveFeed::Push(const LiveFrame& frame, base::MonotonicTime at) {
   arrived.color = *std::move(color);
   arrived.depth = *std::move(depth);
   absl::MutexLock lock(&mutex_);
-  frames_.push_back(std::move(arrived));
+  arrivals_.emplace_back(std::move(arrived));
+  ++frames_;
 }
 
-std::optional<ArrivedFrame> LiveFeed::Next() {
+void LiveFeed::PushOther(Arrival other) {
+  absl::MutexLock lock(&mutex_);
+  arrivals_.push_back(std::move(other));
+}
+
+std::optional<Arrival> LiveFeed::Next() {
   const auto is_ready = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return ended_ || !frames_.empty();
+    return ended_ || !arrivals_.empty();
   };
   absl::MutexLock lock(&mutex_, absl::Condition(&is_ready));
-  if (frames_.empty()) return std::nullopt;
-  ArrivedFrame frame = std::move(frames_.front());
-  frames_.pop_front();
-  return frame;
+  if (arrivals_.empty()) return std::nullopt;
+  Arrival arrival = std::move(arrivals_.front());
+  arrivals_.pop_front();
+  if (std::holds_alternative<ArrivedFrame>(arrival)) --frames_;
+  return arrival;
 }
 
 LiveFeedCounts LiveFeed::counts() const {

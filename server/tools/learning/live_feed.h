@@ -11,6 +11,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <variant>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -28,6 +29,8 @@ struct ArrivedFrame {
   geometry::Rigid3 world_from_sensor;
   base::MonotonicTime at;
 };
+
+using Arrival = std::variant<ArrivedFrame, PoseCorrection, EndOfFrames>;
 
 struct LiveFeedOptions {
   // Frames a second that a source is asked for; 0: as fast as it gives them.
@@ -56,11 +59,12 @@ class LiveFeed {
   LiveFeed(const LiveFeed&) = delete;
   LiveFeed& operator=(const LiveFeed&) = delete;
 
-  // Waits for a frame; nullopt: there are no more.
-  std::optional<ArrivedFrame> Next();
+  // Waits for what arrives; nullopt: nothing more. Frames may be skipped, all
+  // else never is.
+  std::optional<Arrival> Next();
 
   LiveFeedCounts counts() const;
-  // A frame that arrived could not be decoded, or learnt.
+  // What arrived could not be decoded, or learnt.
   void CountUnreadable(const absl::Status& why);
   // When the last frame arrived, skipped ones too.
   base::MonotonicTime last_arrival() const;
@@ -73,6 +77,7 @@ class LiveFeed {
   // Whether there is room for a frame, for which it waits if it may.
   bool TakeRoom();
   void Push(const LiveFrame& frame, base::MonotonicTime at);
+  void PushOther(Arrival other);
 
   const std::unique_ptr<LiveSource> source_;
   const LiveFeedOptions options_;
@@ -80,7 +85,8 @@ class LiveFeed {
   std::stop_source own_stop_;
   std::stop_callback<std::function<void()>> on_stop_;
   mutable absl::Mutex mutex_;
-  std::deque<ArrivedFrame> frames_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Arrival> arrivals_ ABSL_GUARDED_BY(mutex_);
+  size_t frames_ ABSL_GUARDED_BY(mutex_) = 0;  // of these
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;
   LiveFeedCounts counts_ ABSL_GUARDED_BY(mutex_);
   base::MonotonicTime last_arrival_ ABSL_GUARDED_BY(mutex_);

@@ -21,13 +21,13 @@ class SameFrames final : public LiveSource {
         picture_(std::move(picture)),
         some_are_none_(some_are_none) {}
 
-  absl::StatusOr<std::optional<LiveFrame>> Next(
+  absl::StatusOr<std::optional<LiveItem>> Next(
       const std::stop_token& stop) override {
     if (given_ == frames_ || stop.stop_requested()) return std::nullopt;
     if (++given_ % 3 == 0 && some_are_none_) {
       return absl::InvalidArgumentError("no frame");
     }
-    return LiveFrame{picture_, picture_, {}};
+    return LiveItem(LiveFrame{picture_, picture_, {}});
   }
 
  private:
@@ -61,8 +61,8 @@ TEST_F(LiveFeedTest, GivesFramesInTheirOrderWithTheirPictures) {
   LiveFeed feed(Frames(3), {}, {});
   const auto frame = feed.Next();
   ASSERT_TRUE(frame.has_value());
-  EXPECT_EQ(frame->color, "bytes");
-  EXPECT_EQ(frame->depth, "bytes");
+  EXPECT_EQ(std::get<ArrivedFrame>(*frame).color, "bytes");
+  EXPECT_EQ(std::get<ArrivedFrame>(*frame).depth, "bytes");
   EXPECT_EQ(TakeAll(feed), 2);
   EXPECT_EQ(feed.counts().arrived, 3);
   EXPECT_EQ(feed.counts().skipped, 0);
@@ -74,6 +74,40 @@ TEST_F(LiveFeedTest, SkipsAndCountsWhatASlowLearnerHasNoRoomFor) {
   WaitForArrivals(feed, 50);
   EXPECT_EQ(TakeAll(feed), 4);
   EXPECT_EQ(feed.counts().skipped, 46);
+}
+
+// One frame, so many corrections of it, and the end of frames.
+class Corrected final : public LiveSource {
+ public:
+  Corrected(int corrections, std::string picture)
+      : corrections_(corrections), picture_(std::move(picture)) {}
+  absl::StatusOr<std::optional<LiveItem>> Next(
+      const std::stop_token& stop) override {
+    const int item = given_++;
+    if (item > corrections_ + 1 || stop.stop_requested()) return std::nullopt;
+    if (item == 0) return LiveItem(LiveFrame{picture_, picture_, {}});
+    if (item > corrections_) return LiveItem(EndOfFrames());
+    return LiveItem(PoseCorrection{picture_, {{}, {1.0 * item, 0, 0}}});
+  }
+
+ private:
+  const int corrections_;
+  const std::string picture_;
+  int given_ = 0;
+};
+
+// However many they are, and in their order.
+TEST_F(LiveFeedTest, SkipsNoCorrections) {
+  LiveFeed feed(std::make_unique<Corrected>(50, folder_.Path("picture")),
+                {.capacity = 2}, {});
+  ASSERT_TRUE(std::holds_alternative<ArrivedFrame>(feed.Next().value()));
+  for (int i = 1; i <= 50; ++i) {
+    const auto correction = std::get<PoseCorrection>(feed.Next().value());
+    EXPECT_EQ(correction.world_from_sensor.translation.x, i);
+  }
+  EXPECT_TRUE(std::holds_alternative<EndOfFrames>(feed.Next().value()));
+  EXPECT_FALSE(feed.Next().has_value());
+  EXPECT_EQ(feed.counts().arrived, 1);
 }
 
 TEST_F(LiveFeedTest, WaitsForTheLearnerWhereItMay) {

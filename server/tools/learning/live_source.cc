@@ -22,19 +22,21 @@ constexpr int kStopPoll_ms = 50;
 constexpr double kMaxPosition_m = 2e7;
 constexpr size_t kMaxLineBytes = 16384;
 constexpr size_t kFields = 9;
+constexpr const char* kPose = "pose";
+constexpr const char* kEnd = "end";
 
 class RecordingFrames final : public LiveSource {
  public:
   explicit RecordingFrames(const dataset::Dataset& dataset)
       : dataset_(dataset) {}
 
-  absl::StatusOr<std::optional<LiveFrame>> Next(
+  absl::StatusOr<std::optional<LiveItem>> Next(
       const std::stop_token& stop) override {
     while (!stop.stop_requested() && next_ < dataset_.size()) {
       const dataset::DatasetFrame& frame = dataset_.frame(next_++);
       if (!frame.world_from_camera || frame.depth_path.empty()) continue;
-      return LiveFrame{frame.color_path, frame.depth_path,
-                       *frame.world_from_camera};
+      return LiveItem(LiveFrame{frame.color_path, frame.depth_path,
+                                *frame.world_from_camera});
     }
     return std::nullopt;
   }
@@ -48,17 +50,17 @@ class LineFrames final : public LiveSource {
  public:
   explicit LineFrames(int descriptor) : descriptor_(descriptor) {}
 
-  absl::StatusOr<std::optional<LiveFrame>> Next(
+  absl::StatusOr<std::optional<LiveItem>> Next(
       const std::stop_token& stop) override {
     while (true) {
       TL_ASSIGN_OR_RETURN(const std::optional<std::string> line,
                           NextLine(stop));
       if (!line) return std::nullopt;
-      absl::StatusOr<std::optional<LiveFrame>> frame = ParseLiveFrame(*line);
-      if (!frame.ok()) {
-        return base::Annotate(frame.status(), absl::StrCat("line ", lines_));
+      absl::StatusOr<std::optional<LiveItem>> item = ParseLiveLine(*line);
+      if (!item.ok()) {
+        return base::Annotate(item.status(), absl::StrCat("line ", lines_));
       }
-      if (*frame) return frame;
+      if (*item) return item;
     }
   }
 
@@ -112,20 +114,9 @@ class LineFrames final : public LiveSource {
   int64_t lines_ = 0;
 };
 
-}  // namespace
-
-absl::StatusOr<std::optional<LiveFrame>> ParseLiveFrame(
-    absl::string_view line) {
-  const absl::string_view text = absl::StripAsciiWhitespace(line);
-  if (text.empty() || text[0] == '#') return std::nullopt;
-  const std::vector<std::string> fields =
-      absl::StrSplit(text, absl::ByAnyChar(" \t"), absl::SkipEmpty());
-  if (fields.size() != kFields) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(fields.size(),
-                     " fields; a frame is COLOR DEPTH tx ty tz qx qy qz qw: "
-                     "two files and the camera's pose in the world"));
-  }
+// The last seven fields.
+absl::StatusOr<geometry::Rigid3> ParsePose(
+    const std::vector<std::string>& fields) {
   std::array<double, 7> n{};
   for (size_t i = 0; i < n.size(); ++i) {
     if (!absl::SimpleAtod(fields[i + 2], &n[i])) {
@@ -141,7 +132,26 @@ absl::StatusOr<std::optional<LiveFrame>> ParseLiveFrame(
         absl::StrCat("the camera's position, ", fields[2], " ", fields[3], " ",
                      fields[4], ", is no place on Earth in metres"));
   }
-  return LiveFrame{fields[0], fields[1], pose};
+  return pose;
+}
+
+}  // namespace
+
+absl::StatusOr<std::optional<LiveItem>> ParseLiveLine(absl::string_view line) {
+  const absl::string_view text = absl::StripAsciiWhitespace(line);
+  if (text.empty() || text[0] == '#') return std::nullopt;
+  if (text == kEnd) return LiveItem(EndOfFrames());
+  const std::vector<std::string> fields =
+      absl::StrSplit(text, absl::ByAnyChar(" \t"), absl::SkipEmpty());
+  if (fields.size() != kFields) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(fields.size(),
+                     " fields; a frame is COLOR DEPTH tx ty tz qx qy qz qw: "
+                     "two files and the camera's pose in the world"));
+  }
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid3 pose, ParsePose(fields));
+  if (fields[0] == kPose) return LiveItem(PoseCorrection{fields[1], pose});
+  return LiveItem(LiveFrame{fields[0], fields[1], pose});
 }
 
 std::unique_ptr<LiveSource> FramesOfRecording(const dataset::Dataset& dataset) {

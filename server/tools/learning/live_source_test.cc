@@ -15,38 +15,51 @@ using ::testing::HasSubstr;
 
 constexpr const char* kFrame = "a.jpg b.png 1 2 3 0 0 0 1";
 
-TEST(ParseLiveFrame, ReadsFilesAndPose) {
+TEST(ParseLiveLine, ReadsFilesAndPose) {
   const auto frame =
-      ParseLiveFrame("  a.color.jpg\ta.depth.png  1 -2.5 3  0 0 0.6 0.8 ");
+      ParseLiveLine("  a.color.jpg\ta.depth.png  1 -2.5 3  0 0 0.6 0.8 ");
   ASSERT_TRUE(frame.ok()) << frame.status();
   ASSERT_TRUE(frame->has_value());
-  EXPECT_EQ((*frame)->color_path, "a.color.jpg");
-  EXPECT_EQ((*frame)->depth_path, "a.depth.png");
-  EXPECT_DOUBLE_EQ((*frame)->world_from_sensor.translation.y, -2.5);
-  EXPECT_DOUBLE_EQ((*frame)->world_from_sensor.rotation.w, 0.8);
-  EXPECT_DOUBLE_EQ((*frame)->world_from_sensor.rotation.z, 0.6);
+  const auto& read = std::get<LiveFrame>(**frame);
+  EXPECT_EQ(read.color_path, "a.color.jpg");
+  EXPECT_EQ(read.depth_path, "a.depth.png");
+  EXPECT_DOUBLE_EQ(read.world_from_sensor.translation.y, -2.5);
+  EXPECT_DOUBLE_EQ(read.world_from_sensor.rotation.w, 0.8);
+  EXPECT_DOUBLE_EQ(read.world_from_sensor.rotation.z, 0.6);
 }
 
-TEST(ParseLiveFrame, LeavesOutCommentsAndEmptyLines) {
+TEST(ParseLiveLine, ReadsCorrectionsAndTheEndOfFrames) {
+  const auto pose = ParseLiveLine("pose a.jpg 1 -2.5 3 0 0 0.6 0.8");
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  const auto& correction = std::get<PoseCorrection>(pose->value());
+  EXPECT_EQ(correction.color_path, "a.jpg");
+  EXPECT_DOUBLE_EQ(correction.world_from_sensor.translation.y, -2.5);
+  const auto end = ParseLiveLine(" end\r");
+  ASSERT_TRUE(end.ok()) << end.status();
+  EXPECT_TRUE(std::holds_alternative<EndOfFrames>(end->value()));
+  EXPECT_FALSE(ParseLiveLine("pose a.jpg 1 2 3").ok());
+}
+
+TEST(ParseLiveLine, LeavesOutCommentsAndEmptyLines) {
   for (const char* line : {"", "   ", "# color depth pose"}) {
-    const auto frame = ParseLiveFrame(line);
+    const auto frame = ParseLiveLine(line);
     ASSERT_TRUE(frame.ok()) << line;
     EXPECT_FALSE(frame->has_value()) << line;
   }
 }
 
-TEST(ParseLiveFrame, SaysWhatIsWrong) {
-  EXPECT_THAT(ParseLiveFrame("a.jpg 1 2 3").status().message(),
+TEST(ParseLiveLine, SaysWhatIsWrong) {
+  EXPECT_THAT(ParseLiveLine("a.jpg 1 2 3").status().message(),
               HasSubstr("COLOR DEPTH tx ty tz qx qy qz qw"));
-  EXPECT_THAT(ParseLiveFrame("a.jpg b.png 1 2 x 0 0 0 1").status().message(),
+  EXPECT_THAT(ParseLiveLine("a.jpg b.png 1 2 x 0 0 0 1").status().message(),
               HasSubstr("\"x\" is no number"));
   // Neither nan nor what is no rotation becomes a pose.
   EXPECT_TRUE(absl::IsInvalidArgument(
-      ParseLiveFrame("a.jpg b.png nan 2 3 0 0 0 1").status()));
+      ParseLiveLine("a.jpg b.png nan 2 3 0 0 0 1").status()));
   EXPECT_TRUE(absl::IsInvalidArgument(
-      ParseLiveFrame("a.jpg b.png 1 2 3 0 0 0 0").status()));
-  EXPECT_TRUE(ParseLiveFrame("a.jpg b.png 4e5 5.8e6 3 0 0 0 1").ok());
-  EXPECT_THAT(ParseLiveFrame("a.jpg b.png 1e30 2 3 0 0 0 1").status().message(),
+      ParseLiveLine("a.jpg b.png 1 2 3 0 0 0 0").status()));
+  EXPECT_TRUE(ParseLiveLine("a.jpg b.png 4e5 5.8e6 3 0 0 0 1").ok());
+  EXPECT_THAT(ParseLiveLine("a.jpg b.png 1e30 2 3 0 0 0 1").status().message(),
               HasSubstr("1e30 2 3, is no place on Earth"));
 }
 
@@ -80,7 +93,7 @@ TEST_F(FramesByLineTest, GivesLineByLine) {
     const auto frame = source->Next({});
     ASSERT_TRUE(frame.ok()) << frame.status();
     ASSERT_TRUE(frame->has_value());
-    EXPECT_EQ((*frame)->color_path, "a.jpg");
+    EXPECT_EQ(std::get<LiveFrame>(**frame).color_path, "a.jpg");
   }
   EXPECT_FALSE(source->Next({}).value().has_value());
 }
