@@ -15,7 +15,9 @@ constexpr uint32_t Bit(int who) { return uint32_t{1} << who; }
 
 HiddenPlaces::HiddenPlaces(const HiddenPlacesOptions& options)
     : options_(options),
-      window_(options.size_m, options.size_m, options.resolution_m),
+      window_(
+          CostmapWindow(options.size_m, options.size_m, options.resolution_m)
+              .CenteredAt({0, 0})),
       may_be_(window_.cells(), 0) {}
 
 void HiddenPlaces::Clear() {

@@ -28,7 +28,6 @@ void SpreadFor(double seconds, HiddenPlaces& places,
 TEST(HiddenPlaces, AreWhereOneCanHaveWalkedTo) {
   HiddenPlaces places(Options());
   const int who = *places.Take();
-  places.Spread({0, 0}, 0, nullptr);
   places.Put(who, {0, 0}, 0.5);
   SpreadFor(1, places);
   // A disc of 1.5 m; sets grow as an octagon, cell by cell.
