@@ -132,7 +132,7 @@ TEST(DynamicObstacleTracker, IsFollowedBySecondLaserToo) {
 
 // It walks past on the left and turns in behind; there it goes on.
 TEST(DynamicObstacleTracker, WalksOnBehindTheLaser) {
-  Hall hall;
+  Hall hall({.lost_area_m2 = 5});
   geometry::Vec2 at = {1.5, 0.8};
   double unseen_s = 0;
   for (int scan = 0; scan < 130; ++scan) {
@@ -152,7 +152,7 @@ TEST(DynamicObstacleTracker, WalksOnBehindTheLaser) {
 
 // Nobody knows which way one goes who is not seen.
 TEST(DynamicObstacleTracker, WhoTurnsRoundBehindTheLaserIsThoughtOf) {
-  Hall hall;
+  Hall hall({.lost_area_m2 = 5});
   geometry::Vec2 at = {1.2, 0.8};
   for (int scan = 0; scan < 90; ++scan) {
     hall.Scan(at);

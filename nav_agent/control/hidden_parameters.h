@@ -7,7 +7,7 @@
 namespace treeline::control {
 
 inline constexpr base::Parameter<double> kLostArea_m2{
-    "lost_area", 3.0, "m2", base::ParameterOrigin::kTuned,
+    "lost_area", 1.2, "m2", base::ParameterOrigin::kTuned,
     "who may be anywhere in more room is hardly where the robot's edge is"};
 
 }  // namespace treeline::control
