@@ -170,7 +170,8 @@ void AddOutputFlags(CLI::App& app, EvaluateFlags& flags) {
   app.add_option("--json", flags.json_path, "Write all results here")
       ->type_name("FILE")
       ->group(kGroup);
-  app.add_option("--csv", flags.csv_path, "Write a line a frame (and perturbation) here")
+  app.add_option("--csv", flags.csv_path,
+                 "Write a line a frame (and perturbation) here")
       ->type_name("FILE")
       ->group(kGroup);
   app.add_option("--report", flags.report_path,
