@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "nav_agent/app/bridge/bridge_config.h"
 
@@ -118,7 +119,7 @@ TEST_F(RosParametersTest, WhatIsNoSuchFileIsRefused) {
   EXPECT_THAT(Error("/**:\n  ros__parameters:\n    scan: [[1]]\n"),
               HasSubstr("must be one value"));
   std::string deep = "x: 1";
-  for (int i = 0; i < 100; ++i) deep = "a: {" + deep + "}";
+  for (int i = 0; i < 100; ++i) deep = absl::StrCat("a: {", deep, "}");
   EXPECT_THAT(Error(deep), HasSubstr("no parameter file of ROS 2"));
   EXPECT_EQ(ReadRosParameters("/nowhere.yaml", "/treeline",
                               BridgeConfigTable().settings())
