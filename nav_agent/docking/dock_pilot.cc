@@ -440,13 +440,17 @@ void DockPilot::TellThings(behavior::Navigator& navigator) {
 void DockPilot::WakeUp(behavior::Navigator& navigator) {
   if (charging_ != core::Charging::kYes || docks_->empty()) {
     charges_at_.reset();
+    carried_from_.clear();
     return;
   }
   const behavior::NavigatorSnapshot shot = navigator.Snapshot();
   const bool is_lost = IsLost(navigator.mode()) || !shot.pose.has_value();
   if (shot.command != core::VelocityCommand{}) charges_at_.reset();
   if (!is_lost && !charges_at_.has_value()) {
-    if (IsDocked() && IsStill(shot)) charges_at_ = shot.pose->pose;
+    if (IsDocked() && IsStill(shot) && status_.dock != carried_from_) {
+      charges_at_ = shot.pose->pose;
+      charges_in_ = status_.dock;
+    }
     return;
   }
   if (woke_.has_value() && base::SecondsBetween(*woke_, now_) < kLookEvery_s) {
@@ -462,12 +466,21 @@ void DockPilot::WakeUp(behavior::Navigator& navigator) {
     return;
   }
   looked_.reset();
+  carried_from_.clear();
   events_.Add("dock", "charges and sees its dock: it knows where it is");
 }
 
 // Where a dock hides most of the room, what is left of it moves the estimate.
 void DockPilot::HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
                                    const behavior::NavigatorSnapshot& shot) {
+  if (WasCarried(shot)) {
+    charges_at_.reset();
+    carried_from_ = charges_in_;
+    events_.Add("dock", absl::StrCat("charges, but does not see what is seen "
+                                     "from dock '",
+                                     charges_in_, "': it has been carried"));
+    return;
+  }
   if (!is_lost) {
     const geometry::Rigid2 off =
         charges_at_->map_from_base.Inverse() * shot.pose->pose.map_from_base;
@@ -481,6 +494,11 @@ void DockPilot::HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
   if (is_lost) {
     events_.Add("dock", "it charges where it did: it has not been carried");
   }
+}
+
+bool DockPilot::WasCarried(const behavior::NavigatorSnapshot& shot) const {
+  const auto dock = std::ranges::find(*docks_, charges_in_, &Dock::name);
+  return dock != docks_->end() && IsElsewhere(*dock, shot.scan_in_base, robot_);
 }
 
 void DockPilot::LearnView(const behavior::Navigator& navigator) {
