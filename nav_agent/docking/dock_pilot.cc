@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +9,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/docking/dock_drive.h"
 #include "nav_agent/docking/parameters.h"
+#include "nav_agent/docking/pilot_terms.h"
 
 namespace treeline::docking {
 namespace {
@@ -33,26 +33,6 @@ constexpr double kDrifted_rad = 0.1;
 // What a view of its dock tells a robot: 2 cm, 1 degree (m^2, rad^2).
 constexpr localization::PoseCovariance2 kWokenCovariance = {
     4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 3e-4};
-
-bool IsActive(const std::optional<behavior::GoalStatus>& goal) {
-  return goal.has_value() && (goal->state == GoalState::kAccepted ||
-                              goal->state == GoalState::kActive);
-}
-
-bool IsLost(NavigatorMode mode) {
-  return mode == NavigatorMode::kLost || mode == NavigatorMode::kRelocalizing ||
-         mode == NavigatorMode::kNeedHelp;
-}
-
-core::LevelPose OnLevel(const Dock& dock, const geometry::Rigid2& pose) {
-  return {.map_from_base = pose, .place = {.level = dock.level, .height_m = 0}};
-}
-
-std::string OffText(const DockOffset& off) {
-  return absl::StrFormat("%.1f cm and %.1f degrees off",
-                         100 * std::hypot(off.along_m, off.aside_m),
-                         std::abs(off.turned_rad) * 180 / std::numbers::pi);
-}
 
 }  // namespace
 
