@@ -7,6 +7,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "common/base/nearest_name.h"
@@ -93,6 +94,18 @@ std::vector<std::string> Commands(const CLI::App& app) {
   return names;
 }
 
+// Names what there is, where the last command that was given wants another;
+// else empty.
+std::string MissingCommand(const CLI::App& app) {
+  const CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) {
+    chosen = chosen->get_subcommands().front();
+  }
+  if (chosen->get_require_subcommand_min() == 0) return "";
+  return absl::StrCat("a command of ", chosen->get_name(),
+                      " is missing: ", absl::StrJoin(Commands(*chosen), ", "));
+}
+
 }  // namespace
 
 std::shared_ptr<CLI::FormatterBase> HelpFormatter() {
@@ -138,12 +151,14 @@ std::optional<int> ParseArguments(CLI::App& app, int argc,
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     // CLI11 first says what else is missing.
-    const std::string unknown = error.get_exit_code() == 0
-                                    ? std::string()
-                                    : UnknownArgument(app, argc, argv);
-    if (unknown.empty()) return app.exit(error) == 0 ? 0 : kUsage;
+    std::string what;
+    if (error.get_exit_code() != 0) what = UnknownArgument(app, argc, argv);
+    if (what.empty() && dynamic_cast<const CLI::RequiredError*>(&error)) {
+      what = MissingCommand(app);
+    }
+    if (what.empty()) return app.exit(error) == 0 ? 0 : kUsage;
     std::fprintf(stderr, "%s\nRun with --help for more information.\n",
-                 unknown.c_str());
+                 what.c_str());
     return kUsage;
   }
 }

@@ -54,6 +54,17 @@ TEST_F(ArgumentsTest, AMisspeltOptionIsNamedThoughAnotherIsMissing) {
             "Run with --help for more information.\n");
 }
 
+TEST_F(ArgumentsTest, CommandsThatAreMissingAreNamed) {
+  const auto told = [this](const std::vector<const char*>& arguments) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(Parse(arguments), 2);
+    const std::string text = testing::internal::GetCapturedStderr();
+    return text.substr(0, text.find('\n'));
+  };
+  EXPECT_EQ(told({"map"}), "a command of map is missing: save");
+  EXPECT_EQ(told({"ask"}), "--server is required");
+}
+
 TEST_F(ArgumentsTest, AMisspeltCommandIsNamed) {
   EXPECT_EQ(Unknown({"aks"}), "no command is called 'aks'; did you mean ask?");
   EXPECT_EQ(Unknown({"map", "sav"}),

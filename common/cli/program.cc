@@ -36,6 +36,17 @@ int Finish(const std::string& command, const absl::Status& status) {
   return kFailed;
 }
 
+// "treeline-agent log convert": the commands that were chosen, too.
+std::string ChosenName(const CLI::App& app) {
+  std::string name = app.get_name();
+  const CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) {
+    chosen = chosen->get_subcommands().front();
+    absl::StrAppend(&name, " ", chosen->get_name());
+  }
+  return name;
+}
+
 }  // namespace
 
 std::function<absl::Status(std::stop_token stop)> RunChosen(
@@ -68,8 +79,7 @@ int RunProgram(
   }
   for (const Command& command : commands) {
     if (command.app->parsed()) {
-      return Finish(absl::StrCat(text.name, " ", command.app->get_name()),
-                    command.run(stop));
+      return Finish(ChosenName(app), command.run(stop));
     }
   }
   return kUsage;

@@ -63,13 +63,14 @@ std::string RunJson(const DockingRun& run) {
   absl::StrAppendFormat(
       &json,
       "     \"dock\": %s, \"start\": %s, \"failed_tries\": %d, "
-      "\"docking_s\": %.1f, \"false_losses\": %d,\n"
+      "\"docking_s\": %.1f, \"losses\": %d, "
+      "\"believed_s\": %.1f,\n"
       "     \"along_m\": %.4f, \"aside_m\": %.4f, \"turned_rad\": %.4f, "
       "\"estimate_off_m\": %.4f,\n     %s}",
       suites::PlacementJson(run.dock), suites::PlacementJson(run.start),
-      run.failed_tries, run.docking_s, run.false_losses, run.miss.along_m,
-      run.miss.aside_m, run.miss.turned_rad, run.estimate_off_m,
-      suites::DriveJson(run));
+      run.failed_tries, run.docking_s, run.false_losses, run.believed_s,
+      run.miss.along_m, run.miss.aside_m, run.miss.turned_rad,
+      run.estimate_off_m, suites::DriveJson(run));
   return json;
 }
 

@@ -14,6 +14,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
+#include "evaluation/suites/suite_people.h"
 #include "nav_agent/docking/dock_pilot.h"
 #include "nav_agent/docking/parameters.h"
 #include "simulation/simulator/simulated_battery.h"
@@ -48,6 +49,14 @@ constexpr double kPatience_s = 120;
 constexpr double kPatience_spm = 8;
 constexpr double kOutPatience_s = 60;
 constexpr double kSettle_s = 0.5;
+// People walk across the robot's line as far before the docked pose, from this
+// far beside it to the other side (m), this fast, and wait there (m/s, s).
+constexpr double kPassersBefore_m[] = {0.5, 1.0};
+constexpr double kPassersAside_m = 1.2;
+constexpr double kPassersWalk_mps = 0.8;
+constexpr double kPassersWait_s = 3;
+// Somebody stands so far before where the robot's edge is when it is docked.
+constexpr double kPersonBefore_m = 0.3;
 constexpr char kName[] = "dock";
 
 struct Scene {
@@ -57,13 +66,28 @@ struct Scene {
   bool is_wide = false;
   bool is_niche = false;
   bool is_blocked = false;
+  // What blocks it is somebody; who stays; two walk across its way.
+  bool has_person = false;
+  bool stays = false;
+  bool has_passers = false;
+  // It is carried away while it charges, and charges there by a cable.
+  bool is_carried = false;
+  bool has_cable = false;
+
+  bool HasPeople() const { return has_person || has_passers; }
 };
-constexpr Scene kScenes[] = {{.name = "plain"},
-                             {.name = "backward", .is_backward = true},
-                             {.name = "moved", .is_moved = true},
-                             {.name = "wide", .is_wide = true},
-                             {.name = "niche", .is_niche = true},
-                             {.name = "blocked", .is_blocked = true}};
+constexpr Scene kScenes[] = {
+    {.name = "plain"},
+    {.name = "backward", .is_backward = true},
+    {.name = "moved", .is_moved = true},
+    {.name = "wide", .is_wide = true},
+    {.name = "niche", .is_niche = true},
+    {.name = "blocked", .is_blocked = true},
+    {.name = "visitor", .is_blocked = true, .has_person = true},
+    {.name = "occupied", .is_blocked = true, .has_person = true, .stays = true},
+    {.name = "passers", .has_passers = true},
+    {.name = "carried", .is_carried = true},
+    {.name = "cable", .is_carried = true, .has_cable = true}};
 
 absl::StatusOr<Scene> SceneOf(const std::string& name) {
   if (name.empty()) return kScenes[0];
@@ -99,6 +123,8 @@ class DockYard {
   absl::Status LookAndLeave();
   // Started anew in its dock, and told nothing. It must know where it is.
   absl::Status WakeUp();
+  // Charges in its dock, is carried to where it starts, and stands there.
+  absl::Status CarryAway();
   absl::Status DriveIn(const std::stop_token& stop);
   absl::Status DriveOut(const std::stop_token& stop);
   void Summarize();
@@ -109,6 +135,11 @@ class DockYard {
   double ClearanceAt_m(const simulator::RobotPlacement& at) const;
   absl::Status Make(const simulator::RobotPlacement& start);
   absl::Status PutThings();
+  absl::Status PutBlock();
+  absl::Status AddPassers(worlds::World& world) const;
+  // Where who walks across the line goes to and fro.
+  std::pair<simulator::RobotPlacement, simulator::RobotPlacement> WayAcross(
+      const simulator::RobotPlacement& dock, double before_m) const;
   absl::Status PutCrate(const std::string& name,
                         const simulator::RobotPlacement& at, double length_m,
                         double width_m);
@@ -138,6 +169,8 @@ class DockYard {
   // The true docked pose now.
   geometry::Rigid2 world_from_docked_;
   std::vector<behavior::NavigatorEvent> dock_events_;
+  // It is plugged into something that is no dock.
+  bool is_plugged_ = false;
 };
 
 double DockYard::ClearanceAt_m(const simulator::RobotPlacement& at) const {
@@ -155,7 +188,38 @@ bool DockYard::HasRoom(const simulator::RobotPlacement& dock) const {
       return false;
     }
   }
-  return true;
+  return !scene_.has_passers ||
+         std::ranges::all_of(kPassersBefore_m, [&](double before_m) {
+           const auto [from, to] = WayAcross(dock, before_m);
+           return place_.IsStraightWay(from, to);
+         });
+}
+
+std::pair<simulator::RobotPlacement, simulator::RobotPlacement>
+DockYard::WayAcross(const simulator::RobotPlacement& dock,
+                    double before_m) const {
+  const double along_m = -Sign() * (before_m + model_.rear_m);
+  return {Ahead(dock, along_m, kPassersAside_m),
+          Ahead(dock, along_m, -kPassersAside_m)};
+}
+
+absl::Status DockYard::AddPassers(worlds::World& world) const {
+  const int person = suites::PersonOf(world);
+  if (person < 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("nobody is about in world ", world.name));
+  }
+  double wait_s = kPassersWait_s;
+  for (const double before_m : kPassersBefore_m) {
+    const auto [from, to] = WayAcross(run_.dock, before_m);
+    worlds::Body passer = world.bodies[static_cast<size_t>(person)];
+    passer.name = absl::StrCat("passer ", before_m);
+    passer.motion = suites::ToAndFro(from, to, kPassersWalk_mps, wait_s);
+    world.bodies.push_back(std::move(passer));
+    // Not in step.
+    wait_s += 1;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status DockYard::Draw() {
@@ -206,9 +270,28 @@ absl::Status DockYard::PutThings() {
   return absl::OkStatus();
 }
 
+absl::Status DockYard::PutBlock() {
+  if (!scene_.has_person) {
+    return PutCrate("block",
+                    Ahead(run_.dock, Sign() * (Edge_m() - 0.5 * kBlock_m), 0),
+                    kBlock_m, kBlock_m);
+  }
+  const worlds::World& world = robot_->simulator().world();
+  const int person = suites::PersonOf(world);
+  if (person < 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("nobody is about in world ", world.name));
+  }
+  return robot_->simulator().AddObstacle(
+      "block", world.bodies[static_cast<size_t>(person)].name,
+      Ahead(run_.dock, Sign() * (Edge_m() - kPersonBefore_m), 0), {1, 1, 1});
+}
+
 absl::Status DockYard::Make(const simulator::RobotPlacement& start) {
+  worlds::World world = place_.world();
+  if (scene_.has_passers) TL_RETURN_IF_ERROR(AddPassers(world));
   TL_ASSIGN_OR_RETURN(robot_, suites::SuiteRobot::Create(
-                                  place_, place_.world(),
+                                  place_, std::move(world),
                                   {.start = start,
                                    .seed = options_.seed,
                                    .has_rear_laser = options_.has_rear_laser,
@@ -259,6 +342,33 @@ absl::Status DockYard::LookAndLeave() {
   return absl::OkStatus();
 }
 
+absl::Status DockYard::CarryAway() {
+  is_plugged_ = true;
+  pilot_->SetDocks(
+      std::make_shared<const std::vector<docking::Dock>>(1, dock_));
+  StepFor(kLook_s);
+  dock_ = pilot_->docks()->front();
+  TL_RETURN_IF_ERROR(robot_->simulator().Kidnap(run_.start));
+  // From the first step on: batteries tell late that they do not charge.
+  is_plugged_ = scene_.has_cable;
+  const double carried_s = robot_->now_s();
+  while (robot_->now_s() < carried_s + kStay_s) {
+    const double before_s = robot_->now_s();
+    Step();
+    const behavior::NavigatorMode mode = robot_->navigator().mode();
+    const bool is_lost = mode == behavior::NavigatorMode::kLost ||
+                         mode == behavior::NavigatorMode::kRelocalizing ||
+                         mode == behavior::NavigatorMode::kNeedHelp;
+    const std::optional<suites::PoseMiss> error = robot_->EstimateError();
+    if (!is_lost && error.has_value() && !error->IsRight()) {
+      run_.believed_s += robot_->now_s() - before_s;
+    }
+  }
+  // Now it can be sent.
+  is_plugged_ = false;
+  return absl::OkStatus();
+}
+
 absl::Status DockYard::WakeUp() {
   pilot_->SetDocks(
       std::make_shared<const std::vector<docking::Dock>>(1, dock_));
@@ -281,14 +391,15 @@ absl::Status DockYard::WakeUp() {
 void DockYard::Step() {
   robot_->Step();
   std::optional<core::Battery> battery;
-  if (options_.has_contacts || scene_.is_wide || scene_.is_niche) {
+  if (options_.has_contacts || scene_.is_wide || scene_.is_niche ||
+      scene_.is_carried) {
     const simulator::Chargers chargers({{.map_from_docked = world_from_docked_,
                                          .height_m = run_.dock.height_m}});
     const bool touches =
         chargers.Touch(robot_->simulator().state().world_from_base);
-    battery = {
-        .charge = 0.5,
-        .charging = touches ? core::Charging::kYes : core::Charging::kNo};
+    battery = {.charge = 0.5,
+               .charging = touches || is_plugged_ ? core::Charging::kYes
+                                                  : core::Charging::kNo};
   }
   pilot_->Step(robot_->navigator(), robot_->simulator().clock().Now(), battery);
   for (behavior::NavigatorEvent& event : pilot_->TakeEvents()) {
@@ -323,11 +434,10 @@ absl::Status DockYard::DriveIn(const std::stop_token& stop) {
         pilot_->status().state == docking::DockingState::kDrivingIn;
     if (scene_.is_blocked && drives_in && !blocked_s.has_value()) {
       blocked_s = robot_->now_s();
-      TL_RETURN_IF_ERROR(PutCrate(
-          "block", Ahead(run_.dock, Sign() * (Edge_m() - 0.5 * kBlock_m), 0),
-          kBlock_m, kBlock_m));
+      TL_RETURN_IF_ERROR(PutBlock());
     }
-    if (blocked_s.has_value() && robot_->now_s() > *blocked_s + kBlockedFor_s &&
+    if (blocked_s.has_value() && !scene_.stays &&
+        robot_->now_s() > *blocked_s + kBlockedFor_s &&
         robot_->simulator().RemoveObstacle("block").ok()) {
       until_s += kBlockedFor_s;
     }
@@ -378,6 +488,8 @@ void DockYard::Summarize() {
   suites::Summarize(*robot_, run_.dock, run_);
   if (!why.empty()) run_.why = why;
   run_.scene = scene_.name;
+  run_.was_carried = scene_.is_carried;
+  run_.can_dock = !scene_.stays;
   run_.false_losses = static_cast<int>(std::ranges::count(
       run_.events, std::string("lost"), &behavior::NavigatorEvent::kind));
   std::ranges::move(dock_events_, std::back_inserter(run_.events));
@@ -402,6 +514,11 @@ const char* DockingSuiteOutcomeName(DockingSuiteOutcome outcome) {
   return "unknown";
 }
 
+bool HasPeople(const std::string& scene) {
+  const absl::StatusOr<Scene> found = SceneOf(scene);
+  return found.ok() && found->HasPeople();
+}
+
 std::vector<std::string> DockingScenes() {
   std::vector<std::string> names;
   for (const Scene& scene : kScenes) names.emplace_back(scene.name);
@@ -419,7 +536,8 @@ absl::StatusOr<DockingRun> RunDocking(const suites::SuitePlace& place,
   if (scene.is_wide) {
     TL_RETURN_IF_ERROR(yard.WakeUp());
   } else {
-    TL_RETURN_IF_ERROR(yard.LookAndLeave());
+    TL_RETURN_IF_ERROR(scene.is_carried ? yard.CarryAway()
+                                        : yard.LookAndLeave());
     TL_RETURN_IF_ERROR(yard.DriveIn(stop));
   }
   TL_RETURN_IF_ERROR(yard.DriveOut(stop));

@@ -44,6 +44,9 @@ struct DockingSuiteOptions {
 // Where a robot stands to where it should, in the dock's terms.
 using DockMiss = docking::DockOffset;
 
+// A robot that was carried away knows after that time that it was (s).
+inline constexpr double kMostBelieved_s = 3;
+
 struct DockingRun : suites::SuiteRun {
   std::string scene = {};
   DockingSuiteOutcome outcome = DockingSuiteOutcome::kFailed;
@@ -57,10 +60,18 @@ struct DockingRun : suites::SuiteRun {
   double docking_s = 0;
   // How often it declared itself lost although it was not carried.
   int false_losses = 0;
+  // Of a robot that was carried away: so long of the time that it was there
+  // before it was sent, it believed to be elsewhere (s).
+  bool was_carried = false;
+  double believed_s = 0;
+  // Whether it can be docked at all: else it must give up.
+  bool can_dock = true;
 
   bool IsGood() const {
-    return outcome == DockingSuiteOutcome::kExact && IsSafe() &&
-           false_losses == 0;
+    return outcome == (can_dock ? DockingSuiteOutcome::kExact
+                                : DockingSuiteOutcome::kFailed) &&
+           IsSafe() &&
+           (was_carried ? believed_s <= kMostBelieved_s : false_losses == 0);
   }
 };
 
@@ -69,7 +80,12 @@ struct DockingRun : suites::SuiteRun {
 // m, which hides most of the room from where the robot is docked; the robot is
 // started there and must know where it is. "niche": with walls 17 cm beside the
 // robot, charging. "blocked": something stands before it for a while.
+// "visitor": somebody does; "occupied": who stays. "passers": two walk to and
+// fro across its way. "carried": it is put elsewhere while it charges, stands
+// there for a while, and is sent to its dock. "cable": and charges there, too.
 std::vector<std::string> DockingScenes();
+// Whether a scene needs a world in which people are about.
+bool HasPeople(const std::string& scene);
 
 // Deterministic by place and options, times apart. CANCELLED if `stop` is
 // requested; FAILED_PRECONDITION: the world has no room for a dock; NOT_FOUND:

@@ -45,6 +45,25 @@ TEST(RunDockingTest, ItStandsWithinTwoCentimetresOfItsDock) {
   }
 }
 
+// Its battery says all the time that it charges.
+TEST(RunDockingTest, WhoIsCarriedAwayKnowsAndComesBack) {
+  const DockingRun run = DockIn("cable", 1000);
+  EXPECT_TRUE(run.IsGood()) << DockingSummary({run}, 1);
+  EXPECT_TRUE(run.was_carried);
+  EXPECT_GE(run.false_losses, 1);
+  EXPECT_LE(run.believed_s, kMostBelieved_s);
+}
+
+TEST(RunDockingTest, SomebodyMustBeThere) {
+  EXPECT_TRUE(HasPeople("visitor"));
+  EXPECT_FALSE(HasPeople("plain"));
+  EXPECT_THAT(std::string(RunDocking(Cafe(), {.seed = 1, .scene = "passers"},
+                                     std::stop_token())
+                              .status()
+                              .message()),
+              HasSubstr("nobody is about"));
+}
+
 TEST(RunDockingTest, IsAFunctionOfTheSeed) {
   const DockingRun first = DockIn("plain", 1001);
   const DockingRun second = DockIn("plain", 1001);

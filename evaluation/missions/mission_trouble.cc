@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/random.h"
+#include "evaluation/suites/suite_people.h"
 
 namespace treeline::missions {
 namespace {
@@ -19,27 +20,10 @@ constexpr double kCrateRadius_m = 0.29;
 // Up to so far ahead something is put onto the path.
 constexpr double kFurthest_m = 3.5;
 constexpr double kTryEvery_s = 0.25;
-// A person is about this high and wide.
-constexpr float kPersonFrom_m = 1.4f;
-constexpr float kPersonTo_m = 2.1f;
-constexpr float kPersonRadius_m = 0.5f;
 constexpr double kPasserFrom_m = 3;
 constexpr double kPasserTo_m = 8;
 constexpr double kClearOfStart_m = 1.5;
 constexpr double kClearOfGoal_m = 1.2;
-
-// The world's first person; -1: there is none.
-int PersonOf(const worlds::World& world) {
-  for (size_t i = 0; i < world.bodies.size(); ++i) {
-    const worlds::Body& body = world.bodies[i];
-    if (body.motion.has_value() && body.motion->keys.size() > 1 &&
-        body.height_m > kPersonFrom_m && body.height_m < kPersonTo_m &&
-        body.radius_m < kPersonRadius_m) {
-      return static_cast<int>(i);
-    }
-  }
-  return -1;
-}
 
 double DistanceToWay_m(geometry::Vec2 point, geometry::Vec2 from,
                        geometry::Vec2 to) {
@@ -47,44 +31,6 @@ double DistanceToWay_m(geometry::Vec2 point, geometry::Vec2 from,
   const double t =
       std::clamp(Dot(point - from, way) / (Dot(way, way) + 1e-9), 0.0, 1.0);
   return Norm(from + t * way - point);
-}
-
-worlds::Placement PlacedAt(const simulator::RobotPlacement& at,
-                           double yaw_rad) {
-  return {.origin = {static_cast<float>(at.position.x),
-                     static_cast<float>(at.position.y),
-                     static_cast<float>(at.height_m)},
-          .yaw_rad = static_cast<float>(yaw_rad)};
-}
-
-// There, a pause, back, a pause.
-worlds::Motion ToAndFro(const simulator::RobotPlacement& from,
-                        const simulator::RobotPlacement& to,
-                        base::Random& random) {
-  const geometry::Vec2 way = to.position - from.position;
-  const double yaw_rad = std::atan2(way.y, way.x);
-  const double walk_s = Norm(way) / random.NextUniform(0.6, 1.1);
-  const double pause_s = random.NextUniform(2, 6);
-  const double turn_s = 0.5;
-  worlds::Motion motion;
-  double time_s = 0;
-  const auto add = [&](const simulator::RobotPlacement& at, double yaw) {
-    motion.keys.push_back(
-        {.time_s = time_s, .world_from_body = PlacedAt(at, yaw)});
-  };
-  add(from, yaw_rad);
-  time_s += walk_s;
-  add(to, yaw_rad);
-  time_s += pause_s;
-  add(to, yaw_rad);
-  time_s += turn_s;
-  add(to, yaw_rad + 3.14159);
-  time_s += walk_s;
-  add(from, yaw_rad + 3.14159);
-  time_s += pause_s;
-  add(from, yaw_rad + 3.14159);
-  motion.period_s = time_s + turn_s;
-  return motion;
 }
 
 }  // namespace
@@ -105,7 +51,7 @@ const char* SurpriseName(Surprise surprise) {
 
 int AddPassers(const suites::SuitePlace& place, const suites::Route& route,
                int count, uint64_t seed, worlds::World& world) {
-  const int person = PersonOf(world);
+  const int person = suites::PersonOf(world);
   if (person < 0) return 0;
   base::Random random(seed, 201);
   int added = 0;
@@ -124,7 +70,9 @@ int AddPassers(const suites::SuitePlace& place, const suites::Route& route,
     }
     worlds::Body body = world.bodies[static_cast<size_t>(person)];
     body.name = absl::StrCat("passer ", added + 1);
-    body.motion = ToAndFro(from, to, random);
+    const double walk_mps = random.NextUniform(0.6, 1.1);
+    const double pause_s = random.NextUniform(2, 6);
+    body.motion = suites::ToAndFro(from, to, walk_mps, pause_s);
     world.bodies.push_back(std::move(body));
     ++added;
   }
@@ -170,7 +118,7 @@ bool MissionDisturbance::Place(suites::SuiteRobot& robot, geometry::Vec3 at) {
   const bool is_person = options_.surprise == Surprise::kPerson;
   std::string body = "crate";
   if (is_person) {
-    const int person = PersonOf(simulator.world());
+    const int person = suites::PersonOf(simulator.world());
     if (person < 0) return false;
     body = simulator.world().bodies[static_cast<size_t>(person)].name;
   }

@@ -15,6 +15,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 #include "common/yaml/yaml_node.h"
+#include "nav_agent/core/doubtful_map.h"
 
 namespace treeline::core {
 namespace {
@@ -22,6 +23,8 @@ namespace {
 constexpr uint16_t kFreeGrey = 254;
 constexpr uint16_t kOccupiedGrey = 0;
 constexpr uint16_t kUnknownGrey = 205;
+// So much of a map that is unknown and counts as free is told of.
+constexpr double kToldShare = 0.01;
 
 enum class MapMode { kTrinary, kScale, kRaw };
 
@@ -217,6 +220,25 @@ absl::StatusOr<MapPicture> ReadMapPicture(const std::string& path) {
   return map;
 }
 
+// map_saver writes what is unknown as grey 205, and Nav2's writes
+// `free_thresh: 0.25` beside it, which makes that free.
+std::string DoubtOf(const MapPicture& map) {
+  const auto& [settings, picture] = map;
+  if (settings.mode == MapMode::kRaw || picture.max_value != 255 ||
+      OccupancyOf(kUnknownGrey, picture, settings) != Occupancy::kFree) {
+    return "";
+  }
+  const double share =
+      static_cast<double>(std::ranges::count(picture.values, kUnknownGrey)) /
+      static_cast<double>(picture.values.size());
+  if (settings.negate || share < kToldShare) return "";
+  return absl::StrFormat(
+      "%.0f %% of its cells are of the grey that map_saver writes for unknown "
+      "(205), and free_thresh: %g makes them free, as in Nav2; set "
+      "free_thresh to 0.196 for them to be unknown",
+      100 * share, settings.free_threshold);
+}
+
 }  // namespace
 
 absl::StatusOr<GreyPicture> ParsePgm(absl::string_view bytes,
@@ -269,6 +291,11 @@ std::string FormatPgm(const GreyPicture& picture) {
 }
 
 absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(DoubtfulMap map, ReadDoubtfulMap(path));
+  return std::move(map.grid);
+}
+
+absl::StatusOr<DoubtfulMap> ReadDoubtfulMap(const std::string& path) {
   TL_ASSIGN_OR_RETURN(const MapPicture map, ReadMapPicture(path));
   OccupancyGrid grid = OccupancyGrid::Filled(
       map.picture.width, map.picture.height, map.settings.resolution_m,
@@ -280,7 +307,7 @@ absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path) {
                OccupancyOf(map.picture.values[i++], map.picture, map.settings));
     }
   }
-  return grid;
+  return DoubtfulMap{.grid = std::move(grid), .doubt = DoubtOf(map)};
 }
 
 absl::StatusOr<ValueGrid> ReadMapValues(const std::string& path) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +9,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/docking/dock_drive.h"
 #include "nav_agent/docking/parameters.h"
+#include "nav_agent/docking/pilot_terms.h"
 
 namespace treeline::docking {
 namespace {
@@ -33,26 +33,6 @@ constexpr double kDrifted_rad = 0.1;
 // What a view of its dock tells a robot: 2 cm, 1 degree (m^2, rad^2).
 constexpr localization::PoseCovariance2 kWokenCovariance = {
     4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 3e-4};
-
-bool IsActive(const std::optional<behavior::GoalStatus>& goal) {
-  return goal.has_value() && (goal->state == GoalState::kAccepted ||
-                              goal->state == GoalState::kActive);
-}
-
-bool IsLost(NavigatorMode mode) {
-  return mode == NavigatorMode::kLost || mode == NavigatorMode::kRelocalizing ||
-         mode == NavigatorMode::kNeedHelp;
-}
-
-core::LevelPose OnLevel(const Dock& dock, const geometry::Rigid2& pose) {
-  return {.map_from_base = pose, .place = {.level = dock.level, .height_m = 0}};
-}
-
-std::string OffText(const DockOffset& off) {
-  return absl::StrFormat("%.1f cm and %.1f degrees off",
-                         100 * std::hypot(off.along_m, off.aside_m),
-                         std::abs(off.turned_rad) * 180 / std::numbers::pi);
-}
 
 }  // namespace
 
@@ -440,13 +420,17 @@ void DockPilot::TellThings(behavior::Navigator& navigator) {
 void DockPilot::WakeUp(behavior::Navigator& navigator) {
   if (charging_ != core::Charging::kYes || docks_->empty()) {
     charges_at_.reset();
+    carried_from_.clear();
     return;
   }
   const behavior::NavigatorSnapshot shot = navigator.Snapshot();
   const bool is_lost = IsLost(navigator.mode()) || !shot.pose.has_value();
   if (shot.command != core::VelocityCommand{}) charges_at_.reset();
   if (!is_lost && !charges_at_.has_value()) {
-    if (IsDocked() && IsStill(shot)) charges_at_ = shot.pose->pose;
+    if (IsDocked() && IsStill(shot) && status_.dock != carried_from_) {
+      charges_at_ = shot.pose->pose;
+      charges_in_ = status_.dock;
+    }
     return;
   }
   if (woke_.has_value() && base::SecondsBetween(*woke_, now_) < kLookEvery_s) {
@@ -462,12 +446,21 @@ void DockPilot::WakeUp(behavior::Navigator& navigator) {
     return;
   }
   looked_.reset();
+  carried_from_.clear();
   events_.Add("dock", "charges and sees its dock: it knows where it is");
 }
 
 // Where a dock hides most of the room, what is left of it moves the estimate.
 void DockPilot::HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
                                    const behavior::NavigatorSnapshot& shot) {
+  if (WasCarried(shot)) {
+    charges_at_.reset();
+    carried_from_ = charges_in_;
+    events_.Add("dock", absl::StrCat("charges, but does not see what is seen "
+                                     "from dock '",
+                                     charges_in_, "': it has been carried"));
+    return;
+  }
   if (!is_lost) {
     const geometry::Rigid2 off =
         charges_at_->map_from_base.Inverse() * shot.pose->pose.map_from_base;
@@ -481,6 +474,11 @@ void DockPilot::HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
   if (is_lost) {
     events_.Add("dock", "it charges where it did: it has not been carried");
   }
+}
+
+bool DockPilot::WasCarried(const behavior::NavigatorSnapshot& shot) const {
+  const auto dock = std::ranges::find(*docks_, charges_in_, &Dock::name);
+  return dock != docks_->end() && IsElsewhere(*dock, shot.scan_in_base, robot_);
 }
 
 void DockPilot::LearnView(const behavior::Navigator& navigator) {

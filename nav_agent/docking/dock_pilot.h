@@ -115,6 +115,7 @@ class DockPilot {
   void WakeUp(behavior::Navigator& navigator);
   void HoldWhereItCharges(behavior::Navigator& navigator, bool is_lost,
                           const behavior::NavigatorSnapshot& shot);
+  bool WasCarried(const behavior::NavigatorSnapshot& shot) const;
   void LearnView(const behavior::Navigator& navigator);
   // dock_ as it is seen.
   void LookForDock(const behavior::Navigator& navigator);
@@ -146,8 +147,12 @@ class DockPilot {
   // What the navigator knows of; when it was last looked for a robot in one.
   Docks told_;
   std::optional<base::MonotonicTime> woke_;
-  // Where it stands still since it charges, if it knows: it was not carried.
+  // Where it stands still since it charges, if it knows, and in which dock: it
+  // was not carried, unless it sees something else.
   std::optional<core::LevelPose> charges_at_;
+  std::string charges_in_;
+  // Until it charges no more, or knows its dock again: it is not held there.
+  std::string carried_from_;
   base::MonotonicTime now_;
   core::Charging charging_ = core::Charging::kUnknown;
   bool is_full_ = false;

@@ -407,19 +407,42 @@ TEST_F(DockSightTest, WhoChargesWhereItDidHasNotBeenCarried) {
   battery = {.charge = 0.5, .charging = core::Charging::kYes};
   Drive(0.7);
   ASSERT_TRUE(pilot.IsCharging());
-  // Before it has looked around, what hides the room makes it doubt.
+  // What hides the room makes it doubt, and its estimate goes; it sees what is
+  // seen from there.
   lost->now_state = behavior::RelocalizationState::kSearching;
   tracker->pose->map_from_base = {{8, 8}, 0};
-  Drive(1);
+  off = tracker->pose->map_from_base.Inverse() *
+        DockRoom::Charger().map_from_docked;
+  Drive(0.6);
   EXPECT_GE(Count("dock", "it has not been carried"), 1);
   EXPECT_NEAR(tracker->pose->map_from_base.translation.x, 3, 1e-9);
   // Off the contacts anybody may have carried it.
+  off = {};
   lost->now_state = behavior::RelocalizationState::kIdle;
   Drive(1);
   battery->charging = core::Charging::kNo;
   lost->now_state = behavior::RelocalizationState::kSearching;
   tracker->pose->map_from_base = {{8, 8}, 0};
   Drive(1);
+  EXPECT_EQ(tracker->pose->map_from_base.translation.x, 8);
+}
+
+TEST_F(DockSightTest, WhoWasCarriedWhileItChargedIsNotHeldThere) {
+  Look();
+  battery = {.charge = 0.5, .charging = core::Charging::kYes};
+  Drive(1);
+  ASSERT_TRUE(pilot.IsCharging());
+  // With its charger, or by somebody whose cable follows.
+  const geometry::Rigid2 elsewhere = {{1.2, 2}, 2};
+  lost->now_state = behavior::RelocalizationState::kSearching;
+  tracker->pose->map_from_base = {{8, 8}, 0};
+  off = tracker->pose->map_from_base.Inverse() * elsewhere;
+  Drive(3);
+  EXPECT_EQ(Count("dock",
+                  "does not see what is seen from dock 'charger': it "
+                  "has been carried"),
+            1);
+  EXPECT_EQ(Count("dock", "it has not been carried"), 0);
   EXPECT_EQ(tracker->pose->map_from_base.translation.x, 8);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include "nav_agent/docking/parameters.h"
@@ -37,6 +38,15 @@ constexpr double kBodyDepth_m = 0.3;
 constexpr size_t kFacePoints = 8;
 constexpr double kFaceDepth_m = 0.05;
 constexpr double kFaceEnd_m = 0.02;
+// Directions of a view are compared this coarsely. A beam that ends so near is
+// as in the view, and one that goes so much further goes through it (m).
+constexpr size_t kCompared = 180;
+constexpr double kSame_m = 0.1;
+constexpr double kThrough_m = 0.3;
+// Of the directions compared: a door that opens is less, and a crowd leaves
+// more than that.
+constexpr double kThroughShare = 0.25;
+constexpr double kSameShare = 0.1;
 
 ScanOutline OutlineOf(std::span<const geometry::Vec2> points,
                       const geometry::Rigid2& target_from_points) {
@@ -131,6 +141,22 @@ std::optional<geometry::Vec2> MovedBody(
   return dock.is_backward ? geometry::Vec2{-moved.x, -moved.y} : moved;
 }
 
+// The nearest end in each direction from the laser (m); infinity: none.
+std::vector<double> NearestEnds(std::span<const geometry::Vec2> ends_in_base,
+                                geometry::Vec2 laser) {
+  std::vector<double> nearest_m(kCompared,
+                                std::numeric_limits<double>::infinity());
+  for (const geometry::Vec2& end : ends_in_base) {
+    const geometry::Vec2 from_laser = end - laser;
+    const double turns =
+        std::atan2(from_laser.y, from_laser.x) / (2 * std::numbers::pi) + 0.5;
+    double& so_far_m =
+        nearest_m[static_cast<size_t>(turns * kCompared) % kCompared];
+    so_far_m = std::min(so_far_m, geometry::Norm(from_laser));
+  }
+  return nearest_m;
+}
+
 }  // namespace
 
 void DockViewMaker::Reset() {
@@ -206,6 +232,25 @@ std::optional<geometry::Rigid2> PlaceInDock(
             {.half_extent_m = kViewReach_m, .half_angle_rad = kViewTurn_rad});
   if (!IsSure(match, kInDockResponse)) return std::nullopt;
   return dock.map_from_docked * match.target_from_scan;
+}
+
+bool IsElsewhere(const Dock& dock, std::span<const geometry::Vec2> scan_in_base,
+                 const core::RobotModel& robot) {
+  const geometry::Vec2 laser = {robot.base_from_laser.translation.x,
+                                robot.base_from_laser.translation.y};
+  const std::vector<double> view_m = NearestEnds(dock.view, laser);
+  const std::vector<double> scan_m = NearestEnds(scan_in_base, laser);
+  int compared = 0;
+  int same = 0;
+  int through = 0;
+  for (size_t i = 0; i < kCompared; ++i) {
+    if (!std::isfinite(view_m[i]) || !std::isfinite(scan_m[i])) continue;
+    ++compared;
+    same += std::abs(scan_m[i] - view_m[i]) <= kSame_m ? 1 : 0;
+    through += scan_m[i] > view_m[i] + kThrough_m ? 1 : 0;
+  }
+  return compared > 0 &&
+         (through >= kThroughShare * compared || same <= kSameShare * compared);
 }
 
 std::shared_ptr<const localization::KnownThings> ThingsAt(

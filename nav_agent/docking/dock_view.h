@@ -62,6 +62,13 @@ std::optional<SeenDock> FindDock(const Dock& dock,
 std::optional<geometry::Rigid2> PlaceInDock(
     const Dock& dock, std::span<const geometry::Vec2> scan_in_base);
 
+// Whether a robot that stood in a dock sees (in its base, m) that it stands
+// elsewhere: beams go through what the view has, or next to nothing is as
+// there. Who stands around it hides the view, and does not say so. False: there
+// is no view.
+bool IsElsewhere(const Dock& dock, std::span<const geometry::Vec2> scan_in_base,
+                 const core::RobotModel& robot);
+
 // What docks' views show.
 std::shared_ptr<const localization::KnownThings> ThingsAt(
     std::span<const Dock> docks);

@@ -54,6 +54,27 @@ TEST(DockView, IsTheMedianOfManyScans) {
   EXPECT_GT(near, 30);
 }
 
+TEST(DockView, WhoWasCarriedSeesThatAndWhoIsCrowdedDoesNot) {
+  DockRoom room;
+  const Dock dock = Looked(room);
+  const geometry::Rigid2 docked = dock.map_from_docked;
+  EXPECT_FALSE(IsElsewhere(dock, room.Scan(docked), room.robot));
+  for (const geometry::Rigid2& elsewhere :
+       {geometry::Rigid2{{1, 1.5}, 0}, geometry::Rigid2{{3, 1.5}, 1.6},
+        geometry::Rigid2{{2, 2.2}, 3.1}}) {
+    EXPECT_TRUE(IsElsewhere(dock, room.Scan(elsewhere), room.robot))
+        << elsewhere.translation.x;
+  }
+  // Three people hide most of the room.
+  DockRoom crowded;
+  crowded.AddBox({2.2, 1.5}, 0.15, 0.4);
+  crowded.AddBox({3, 0.8}, 0.4, 0.15);
+  crowded.AddBox({3, 2.2}, 0.4, 0.15);
+  EXPECT_FALSE(IsElsewhere(dock, crowded.Scan(docked), room.robot));
+  EXPECT_FALSE(
+      IsElsewhere(DockRoom::Charger(), room.Scan({{1, 1.5}, 0}), room.robot));
+}
+
 TEST(DockView, WhoWalksPastIsNotInIt) {
   DockRoom empty;
   DockViewMaker maker(empty.robot);

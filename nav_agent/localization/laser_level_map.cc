@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/laser_layer.h"
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
@@ -26,14 +27,13 @@ bool AnyOccupied(const octree::VoxelMap& voxels, int x, int y, int begin_z,
 }
 
 // Voxels that reach into a layer, or are within one voxel of it.
-core::OccupancyGrid LayerOf(const octree::VoxelMap& voxels, double begin_m,
-                            double end_m) {
+core::OccupancyGrid LayerOf(const octree::VoxelMap& voxels,
+                            const geometry::Rigid2& map_from_grid,
+                            double begin_m, double end_m) {
   const double r = voxels.resolution_m();
-  core::OccupancyGrid grid = core::OccupancyGrid::Filled(
-      voxels.size().x, voxels.size().y, r,
-      {.translation = {voxels.lowest().x * r, voxels.lowest().y * r},
-       .yaw_rad = 0},
-      core::Occupancy::kFree);
+  core::OccupancyGrid grid =
+      core::OccupancyGrid::Filled(voxels.size().x, voxels.size().y, r,
+                                  map_from_grid, core::Occupancy::kFree);
   const int begin_z =
       static_cast<int>(std::floor(begin_m / r + 1e-6)) - voxels.lowest().z - 1;
   const int end_z =
@@ -67,6 +67,7 @@ core::OccupancyGrid OutlinesOf(const core::OccupancyGrid& grid) {
 }
 
 absl::StatusOr<OccupancyLayers> LayersOf(const octree::VoxelMap& voxels,
+                                         const geometry::Rigid2& map_from_grid,
                                          const LaserLevelOptions& options) {
   const double r = voxels.resolution_m();
   OccupancyLayers layers;
@@ -84,8 +85,8 @@ absl::StatusOr<OccupancyLayers> LayersOf(const octree::VoxelMap& voxels,
   }
   for (int i = 0; i < count; ++i) {
     const double begin_m = layers.lowest_m + i * options.layer_m;
-    layers.grids.push_back(
-        OutlinesOf(LayerOf(voxels, begin_m, begin_m + options.layer_m)));
+    layers.grids.push_back(OutlinesOf(
+        LayerOf(voxels, map_from_grid, begin_m, begin_m + options.layer_m)));
   }
   return layers;
 }
@@ -125,14 +126,19 @@ std::vector<float> SpreadHeights(
   return heights_m;
 }
 
+// The voxels are in the frame of the map; or, with their lowest at (0, 0), in
+// that of the cells, which may be anywhere and turned.
 bool HaveSameCells(const core::OccupancyGrid& grid,
                    const octree::VoxelMap& voxels) {
   const double r = voxels.resolution_m();
-  const geometry::Vec2 origin = {voxels.lowest().x * r, voxels.lowest().y * r};
+  const octree::VoxelIndex lowest = voxels.lowest();
+  const bool is_in_map =
+      geometry::Norm(grid.map_from_grid.translation -
+                     geometry::Vec2{lowest.x * r, lowest.y * r}) < 1e-6 &&
+      grid.map_from_grid.yaw_rad == 0;
+  const bool is_in_grid = lowest.x == 0 && lowest.y == 0;
   return grid.width == voxels.size().x && grid.height == voxels.size().y &&
-         std::abs(grid.resolution_m - r) < 1e-6 &&
-         geometry::Norm(grid.map_from_grid.translation - origin) < 1e-6 &&
-         grid.map_from_grid.yaw_rad == 0;
+         std::abs(grid.resolution_m - r) < 1e-6 && (is_in_map || is_in_grid);
 }
 
 }  // namespace
@@ -162,6 +168,7 @@ absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
   for (size_t i = 0; i < traversable.levels.size(); ++i) {
     const traversability::TraversableLevel& level = traversable.levels[i];
     if (!HaveSameCells(level.grid, voxels) ||
+        level.grid.map_from_grid != map.cells_.map_from_grid ||
         level.height_m.size() != level.grid.cells.size()) {
       return absl::InvalidArgumentError(absl::StrCat(
           "laser levels: level ", i,
@@ -190,7 +197,8 @@ absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
         absl::StrCat("laser levels: none of the cells of ",
                      traversable.levels.size(), " levels is free"));
   }
-  TL_ASSIGN_OR_RETURN(const OccupancyLayers layers, LayersOf(voxels, options));
+  TL_ASSIGN_OR_RETURN(const OccupancyLayers layers,
+                      LayersOf(voxels, map.cells_.map_from_grid, options));
   TL_ASSIGN_OR_RETURN(map.field_,
                       LikelihoodField::CreateLayered(layers, options.field));
   return map;
@@ -236,10 +244,10 @@ core::OccupancyGrid LaserSlice(const octree::VoxelMap& voxels,
   for (int y = 0; y < slice.height; ++y) {
     for (int x = 0; x < slice.width; ++x) {
       const size_t at = slice.IndexOf({x, y});
-      // The voxel's middle is half a voxel below the ground.
-      const int z = static_cast<int>(std::floor(
-                        (heights_m[at] + 0.5 * r + laser_height_m) / r)) -
-                    voxels.lowest().z;
+      const int z =
+          std::isnan(heights_m[at])
+              ? 0
+              : LaserLayer(voxels, heights_m[at] + 0.5 * r + laser_height_m);
       if (!std::isnan(heights_m[at]) &&
           AnyOccupied(voxels, x, y, z - 1, z + 2)) {
         slice.cells[at] = core::Occupancy::kOccupied;

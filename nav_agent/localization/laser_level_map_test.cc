@@ -288,6 +288,61 @@ TEST(LaserLevelMap, RefusesWhatDoesNotFit) {
               HasSubstr("layer_m"));
 }
 
+// A flat map of 5 x 3 cells with a post, whose corner is anywhere; its voxels
+// are one layer, in its own frame.
+struct FlatMap {
+  octree::VoxelMap voxels =
+      octree::VoxelMap::Make(0.05, {0, 0, 6}, {5, 3, 1}).value();
+  traversability::TraversableMap levels;
+
+  explicit FlatMap(const geometry::Rigid2& map_from_grid) {
+    voxels.Set({3, 1, 0}, octree::Voxel::kOccupied);
+    traversability::TraversableLevel level;
+    level.grid = core::OccupancyGrid::Filled(5, 3, 0.05, map_from_grid,
+                                             core::Occupancy::kFree);
+    level.grid.Set({3, 1}, core::Occupancy::kOccupied);
+    level.height_m.assign(15, 0);
+    levels.levels.push_back(std::move(level));
+  }
+};
+
+TEST(LaserLevelMap, CellsOfAFlatMapMayBeAnywhereAndTurned) {
+  const geometry::Rigid2 map_from_grid = {.translation = {1.234, -0.517},
+                                          .yaw_rad = 0.7};
+  const FlatMap flat(map_from_grid);
+  const auto map = LaserLevelMap::Make(flat.voxels, flat.levels);
+  ASSERT_TRUE(map.ok()) << map.status();
+  const auto log_at = [&map](geometry::Vec2 end, float height_m) {
+    std::vector<float> logs(1);
+    ScanPoints points;
+    points.x_m = {static_cast<float>(end.x)};
+    points.y_m = {static_cast<float>(end.y)};
+    points.z_m = {height_m};
+    map->field().LogLikelihoods(points, {}, logs);
+    return logs[0];
+  };
+  const geometry::Vec2 post = map_from_grid * geometry::Vec2{0.175, 0.075};
+  // However high the laser is.
+  EXPECT_EQ(log_at(post, 0.1F), map->field().LogAt(0));
+  EXPECT_EQ(log_at(post, 1.5F), map->field().LogAt(0));
+  EXPECT_LT(log_at(map_from_grid * geometry::Vec2{0.025, 0.075}, 0.1F),
+            map->field().LogAt(0.1));
+  for (const double laser_m : {0.1, 0.3, 1.5}) {
+    EXPECT_EQ(LaserSlice(flat.voxels, flat.levels.levels[0], laser_m).cells,
+              flat.levels.levels[0].grid.cells)
+        << laser_m;
+  }
+}
+
+TEST(LaserLevelMap, VoxelsOfTheMapsFrameMustLieWhereTheCellsDo) {
+  FlatMap flat({.translation = {0.1, 0.05}, .yaw_rad = 0});
+  flat.voxels = octree::VoxelMap::Make(0.05, {2, 1, 6}, {5, 3, 1}).value();
+  EXPECT_TRUE(LaserLevelMap::Make(flat.voxels, flat.levels).ok());
+  flat.voxels = octree::VoxelMap::Make(0.05, {2, 2, 6}, {5, 3, 1}).value();
+  EXPECT_THAT(LaserLevelMap::Make(flat.voxels, flat.levels).status().message(),
+              HasSubstr("not of the same cells"));
+}
+
 TEST(LaserSlice, IsWhatALaserSeesFromTheGroundBelow) {
   const Building& building = TheBuilding();
   const core::OccupancyGrid lower =

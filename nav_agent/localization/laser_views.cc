@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/laser_layer.h"
 #include "nav_agent/localization/laser_level_map.h"
 
 namespace treeline::localization {
@@ -149,8 +150,7 @@ absl::StatusOr<LaserMap> LaserMapOf(
       // height_m is of the middle of the ground's voxel.
       const double laser_m = own.height_m[own.grid.IndexOf({x, y})] + 0.5 * r +
                              options.laser_height_m;
-      const int z =
-          static_cast<int>(std::floor(laser_m / r)) - voxels.lowest().z;
+      const int z = LaserLayer(voxels, laser_m);
       for (int i = 0; i < options.directions; ++i) {
         const double angle_rad = 2 * std::numbers::pi * i / options.directions;
         caster.Cast({x + 0.5, y + 0.5},

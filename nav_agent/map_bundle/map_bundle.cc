@@ -271,12 +271,6 @@ absl::StatusOr<MapBundleManifest> ReadMapBundleManifest(
                        ": this map bundle is not complete, mapping was "
                        "interrupted; make it anew with `treeline-agent map`"));
     }
-    if (absl::EndsWith(folder, ".yaml")) {
-      return absl::NotFoundError(absl::StrCat(
-          folder,
-          ": a map of map_server knows nothing of heights; wanted is the "
-          "folder that `treeline-agent map` makes, also of a recording"));
-    }
     return absl::NotFoundError(absl::StrCat(
         folder, ": there is no map bundle; `treeline-agent map` makes one"));
   }

@@ -280,15 +280,5 @@ TEST_F(MapBundleTest, KeyframesAreARecordingToTrainOn) {
             absl::StatusCode::kAlreadyExists);
 }
 
-TEST(MapBundleErrorsTest, AMapOfMapServerIsToldFromAFolderThatIsNotThere) {
-  const auto told = [](const std::string& path) {
-    return std::string(LoadMapBundle(path).status().message());
-  };
-  EXPECT_THAT(told("/nowhere/map.yaml"),
-              testing::HasSubstr("a map of map_server knows nothing of"));
-  EXPECT_THAT(told("/nowhere/house"),
-              testing::HasSubstr("there is no map bundle"));
-}
-
 }  // namespace
 }  // namespace treeline::map_bundle

@@ -1,6 +1,8 @@
 #include "nav_agent/service/agent_stub.h"
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 #include "common/wire/status.h"
@@ -21,6 +23,14 @@ std::unique_ptr<v1::DockingService::Stub> DockingStub(
 
 absl::Status CallStatus(const std::string& address,
                         const grpc::Status& status) {
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE &&
+      absl::StrContains(status.error_message(), "connect")) {
+    return absl::UnavailableError(absl::StrCat(
+        address,
+        ": no agent answers there; `treeline-agent run` must be running, and "
+        "says `grpc on HOST:PORT`, which --agent takes (",
+        status.error_message(), ")"));
+  }
   return base::Annotate(wire::FromGrpc(status), address);
 }
 

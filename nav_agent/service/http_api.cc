@@ -372,7 +372,10 @@ http::HttpResponse HttpApi::GetLevelPicture(int level) {
 
 http::HttpResponse HttpApi::GetOctomap() {
   const absl::MutexLock lock(&mutex_);
-  if (octomap_.empty()) octomap_ = OctomapBytes(commands_.info().map->voxels);
+  if (octomap_.empty()) {
+    const behavior::NavigatorMap& map = *commands_.info().map;
+    octomap_ = OctomapBytes(map.voxels, MapFromVoxels(map.voxels, map.levels));
+  }
   return {.content_type = "application/octet-stream", .body = octomap_};
 }
 

@@ -72,7 +72,8 @@ std::string LevelHeights(const traversability::TraversableLevel& level) {
   return bytes;
 }
 
-std::string OctomapBytes(const octree::VoxelMap& voxels) {
+std::string OctomapBytes(const octree::VoxelMap& voxels,
+                         const geometry::Rigid2& map_from_voxels) {
   std::string points;
   uint32_t count = 0;
   const octree::VoxelIndex size = voxels.size();
@@ -83,8 +84,10 @@ std::string OctomapBytes(const octree::VoxelMap& voxels) {
         if (voxels.At(v) != octree::Voxel::kOccupied || IsEnclosed(voxels, v))
           continue;
         const geometry::Vec3 center = voxels.CenterOf(v);
-        AppendFloat(points, center.x);
-        AppendFloat(points, center.y);
+        const geometry::Vec2 in_map =
+            map_from_voxels * geometry::Vec2{center.x, center.y};
+        AppendFloat(points, in_map.x);
+        AppendFloat(points, in_map.y);
         AppendFloat(points, center.z);
         ++count;
       }
@@ -95,6 +98,15 @@ std::string OctomapBytes(const octree::VoxelMap& voxels) {
   AppendFloat(bytes, voxels.resolution_m());
   bytes += points;
   return bytes;
+}
+
+geometry::Rigid2 MapFromVoxels(const octree::VoxelMap& voxels,
+                               const traversability::TraversableMap& levels) {
+  if (levels.levels.empty()) return {};
+  const double r = voxels.resolution_m();
+  return levels.levels[0].grid.map_from_grid *
+         geometry::Rigid2{
+             .translation = {-r * voxels.lowest().x, -r * voxels.lowest().y}};
 }
 
 }  // namespace treeline::agent_service

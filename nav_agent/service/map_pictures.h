@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "common/geometry/rigid2.h"
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
@@ -24,7 +25,13 @@ std::string LevelHeights(const traversability::TraversableLevel& level);
 // "TLVX", uint32 count, float32 resolution_m, then count times the centre of an
 // occupied voxel in the map (3 float32, m). Little-endian. Voxels that are
 // enclosed on six sides are left out: nobody sees them.
-std::string OctomapBytes(const octree::VoxelMap& voxels);
+std::string OctomapBytes(const octree::VoxelMap& voxels,
+                         const geometry::Rigid2& map_from_voxels = {});
+
+// Where the frame of a map's voxels lies: columns are the levels' cells, which
+// may be turned (LaserLevelMap::Make).
+geometry::Rigid2 MapFromVoxels(const octree::VoxelMap& voxels,
+                               const traversability::TraversableMap& levels);
 
 }  // namespace treeline::agent_service
 

@@ -83,6 +83,25 @@ TEST(MapPictures, WritesCentresOfVoxels) {
   EXPECT_EQ(FloatAt(bytes, 20), static_cast<float>(first.z));
 }
 
+TEST(MapPictures, VoxelsLieWhereTheLevelsCellsDo) {
+  const auto map = TwoLevelMap();
+  const geometry::Rigid2 same = MapFromVoxels(map->voxels, map->levels);
+  EXPECT_LT(geometry::Norm(same.translation), 1e-12);
+  EXPECT_EQ(same.yaw_rad, 0);
+  traversability::TraversableMap turned = map->levels;
+  turned.levels[0].grid.map_from_grid = {.translation = {3, 4}, .yaw_rad = 0.5};
+  const geometry::Rigid2 map_from_voxels = MapFromVoxels(map->voxels, turned);
+  const geometry::Vec3 first = map->voxels.CenterOf({0, 0, 0});
+  // Half a cell from the corner of the cells.
+  const geometry::Vec2 in_map =
+      turned.levels[0].grid.CenterInMap(core::CellIndex{0, 0});
+  const std::string bytes = OctomapBytes(map->voxels, map_from_voxels);
+  EXPECT_NEAR(FloatAt(bytes, 12), in_map.x, 1e-6);
+  EXPECT_NEAR(FloatAt(bytes, 16), in_map.y, 1e-6);
+  EXPECT_EQ(FloatAt(bytes, 20), static_cast<float>(first.z));
+  EXPECT_EQ(MapFromVoxels(map->voxels, {}), geometry::Rigid2());
+}
+
 TEST(MapPictures, LeavesOutWhatNobodySees) {
   octree::VoxelMap voxels = octree::VoxelMap::Make(1, {}, {3, 3, 3}).value();
   for (int x = 0; x < 3; ++x) {

@@ -3,9 +3,11 @@ place, sent to goals, carried away, found; its sensors fall silent, its clock
 jumps, somebody sends nonsense."""
 
 import argparse
+import math
 import os
 import queue
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -190,9 +192,9 @@ class RobotProgramTest(unittest.TestCase):
         self.assertEqual(mapper.end(signal.SIGINT), 0,
                          "".join(mapper.said[-20:]))
 
-    def drive(self, config, *more):
+    def drive(self, config, *more, on="map"):
         agent = self.start(Program, PROGRAMS.agent, "run", "--ros2", config,
-                           "--map", self.path("map"), "--listen", "",
+                           "--map", self.path(on), "--listen", "",
                            "--http-listen", "", *more)
         agent.wait_for("driving")
         return agent
@@ -298,6 +300,52 @@ class RobotProgramTest(unittest.TestCase):
         client.wait_for("result 9 6 ")
         last = robot.wait_until("it stands", stands)
         self.assertEqual(numbers(last["cmd"]), [0, 0])
+
+    def write_flat_map(self, x, y, yaw):
+        """The map as map_saver writes one, whose frame lies there in it."""
+        with open(self.path("map/levels/level-0.yaml"), encoding="utf-8") as file:
+            settings = file.read()
+        numbers_of = lambda key: re.search(rf"{key}: (.*)", settings).group(1)
+        at = [float(n) for n in numbers_of("origin").strip("[]").split(",")]
+        at = self.moved(x, y, yaw, at[0], at[1])
+        os.rename(self.path("map/levels/level-0.pgm"), self.path("hall.pgm"))
+        shutil.rmtree(self.path("map"))
+        return self.write("hall.yaml", f"""
+image: hall.pgm
+mode: trinary
+resolution: {numbers_of("resolution")}
+origin: [{at[0]}, {at[1]}, {yaw}]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.196
+""")
+
+    @staticmethod
+    def moved(x, y, yaw, at_x, at_y):
+        return (x + math.cos(yaw) * at_x - math.sin(yaw) * at_y,
+                y + math.sin(yaw) * at_x + math.cos(yaw) * at_y)
+
+    def test_it_drives_on_a_map_of_map_server(self):
+        robot = self.start_robot(0, "--plain")
+        config = self.write("robot.yaml",
+                            ROBOT.format(domain=self.domain, more=""))
+        self.map(robot, config)
+        # Neither a multiple of the resolution nor straight.
+        frame = (3.137, -7.412, 0.6)
+        self.write_flat_map(*frame)
+        agent = self.drive(config, "--find-yourself", on="hall.yaml")
+        client = self.start(Program, PROGRAMS.client, self.domain, "fastrtps")
+        # (4.6, 1.2) in the world; the first map began at (1.2, 1.2).
+        client.order("goal", 1, "map", *self.moved(*frame, 3.4, 0), 0)
+        client.wait_for("result 1 4 0")
+        self.arrives(robot, 4.6, 1.2)
+        robot.order("kidnap", 1.2, 3.2, -1.5)
+        client.order("goal", 2, "map", *self.moved(*frame, 3.4, 0.1), 0)
+        client.wait_for("result 2 4 0")
+        self.arrives(robot, 4.6, 1.3)
+        self.assertEqual(agent.end(signal.SIGINT), 0, "".join(agent.said))
+        self.assertRegex("".join(agent.said),
+                         "(?s)event=resume.*event=lost.*event=resume")
 
     def test_it_stands_when_it_does_not_hear_and_goes_on(self):
         robot = self.start_robot(0, "--plain")

@@ -6,8 +6,11 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
+#include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
+#include "common/yaml/yaml_node.h"
+#include "nav_agent/app/bridge/bridge_config.h"
+#include "nav_agent/app/bridge/ros_parameters.h"
 
 namespace treeline::bridge_app {
 namespace {
@@ -18,7 +21,7 @@ absl::Status NotKnown(const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat(
       "--ros-args: ", what,
       " is not understood; -r FROM:=TO, -r __ns:=NAME, -r __node:=NAME, "
-      "-p NAME:=VALUE and --log-level LEVEL are"));
+      "-p NAME:=VALUE, --params-file FILE and --log-level LEVEL are"));
 }
 
 absl::StatusOr<std::pair<std::string, std::string>> Sides(
@@ -42,14 +45,33 @@ absl::StatusOr<std::vector<std::string>> Remapped(const std::string& rule) {
   return std::vector<std::string>{"--remap", absl::StrCat(from, ":=", to)};
 }
 
+// A value is YAML: quotes and the brackets of a list are not part of it.
 absl::StatusOr<std::vector<std::string>> Parameter(const std::string& rule) {
   TL_ASSIGN_OR_RETURN(const auto sides, Sides(rule));
-  const std::string flag =
-      absl::StrCat("--", absl::StrReplaceAll(sides.first, {{"_", "-"}}));
-  const std::string value = absl::AsciiStrToLower(sides.second);
-  if (value == "true") return std::vector<std::string>{flag};
-  if (value == "false") return std::vector<std::string>{};
-  return std::vector<std::string>{flag, sides.second};
+  const auto& settings = BridgeConfigTable().settings();
+  const config::Setting* setting = config::FindSetting(settings, sides.first);
+  if (setting == nullptr) {
+    return base::Annotate(UnknownParameter(settings, sides.first),
+                          "--ros-args");
+  }
+  std::vector<std::string> texts;
+  TL_ASSIGN_OR_RETURN(
+      const yaml::YamlNode line,
+      yaml::YamlNode::Parse(absl::StrCat("value: ", sides.second),
+                            "--ros-args: -p " + rule));
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode value, line.Get("value"));
+  if (value.IsSequence()) {
+    TL_ASSIGN_OR_RETURN(const std::vector<yaml::YamlNode> elements,
+                        value.Elements());
+    for (const yaml::YamlNode& element : elements) {
+      TL_ASSIGN_OR_RETURN(texts.emplace_back(), element.AsText());
+    }
+  } else {
+    TL_ASSIGN_OR_RETURN(texts.emplace_back(), value.AsText());
+  }
+  return std::vector<std::string>{
+      absl::StrCat(config::FlagName(*setting), "=",
+                   ParameterText(*setting, absl::StrJoin(texts, ",")))};
 }
 
 // The flags for one argument of ROS, and its value if it has one.
@@ -62,9 +84,7 @@ absl::StatusOr<std::vector<std::string>> FlagsOf(const std::string& name,
                                     absl::AsciiStrToLower(value)};
   }
   if (name == "--params-file") {
-    return absl::InvalidArgumentError(
-        "--ros-args: --params-file is not read; settings stand in the file of "
-        "--config (--print-config shows one)");
+    return std::vector<std::string>{"--params-file", value};
   }
   return NotKnown(name);
 }
@@ -99,7 +119,10 @@ absl::StatusOr<std::vector<std::string>> WithoutRosArguments(
     }
     // What becomes of ROS's own log is no matter here.
     if (HasNoValue(argument)) continue;
-    if (i + 1 >= arguments.size()) return NotKnown(argument);
+    if (i + 1 >= arguments.size()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--ros-args: ", argument, " lacks its value"));
+    }
     TL_ASSIGN_OR_RETURN(const std::vector<std::string> flags,
                         FlagsOf(argument, arguments[++i]));
     made.insert(made.end(), flags.begin(), flags.end());

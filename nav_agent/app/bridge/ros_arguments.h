@@ -11,7 +11,7 @@ namespace treeline::bridge_app {
 
 // Arguments of the program, its own name first, with what stands between
 // --ros-args and -- (or the end) as the flags of `bridge`: -r __ns:=, __node:=
-// and FROM:=TO, -p NAME:=VALUE, --log-level
+// and FROM:=TO, -p NAME:=VALUE, --params-file, --log-level
 // (https://design.ros2.org/articles/ros_command_line_arguments.html). Without
 // --ros-args they stay as they are. INVALID_ARGUMENT for what has no flag here,
 // and for other commands: they have a file.

@@ -31,6 +31,12 @@ TEST(RosArgumentsTest, LaunchFilesNeedNoChange) {
                                          "base_frame:=base_link",
                                          "--param",
                                          "rectified:=false",
+                                         "-p",
+                                         "map_from_world:=[-1, 2, 0, 1.5]",
+                                         "-p",
+                                         "scene:='true'",
+                                         "--params-file",
+                                         "p.yaml",
                                          "--log-level",
                                          "WARN",
                                          "--disable-rosout-logs",
@@ -42,7 +48,9 @@ TEST(RosArgumentsTest, LaunchFilesNeedNoChange) {
               ElementsAre("agent", "bridge", "--scene", "house", "--node-name",
                           "finder", "--namespace", "/robot1", "--remap",
                           "scan:=/front/scan", "--remap", "odom:=wheels",
-                          "--use-sim-time", "--base-frame", "base_link",
+                          "--use-sim-time=true", "--base-frame=base_link",
+                          "--rectified=false", "--map-from-world=-1,2,0,1.5",
+                          "--scene=true", "--params-file", "p.yaml",
                           "--log-level", "warn", "--server", "a:1"));
 }
 
@@ -60,12 +68,14 @@ TEST(RosArgumentsTest, WhatHasNoMeaningHereIsRefused) {
   EXPECT_THAT(refused({"agent", "bridge", "--ros-args", "-r", "scan"}),
               HasSubstr("scan is not understood; -r FROM:=TO"));
   EXPECT_THAT(refused({"agent", "bridge", "--ros-args", "-r"}),
-              HasSubstr("-r is not understood"));
+              HasSubstr("-r lacks its value"));
   EXPECT_THAT(refused({"agent", "bridge", "--ros-args", "--enclave", "/x"}),
               HasSubstr("--enclave is not understood"));
   EXPECT_THAT(
-      refused({"agent", "bridge", "--ros-args", "--params-file", "p.yaml"}),
-      HasSubstr("--config"));
+      refused({"agent", "bridge", "--ros-args", "-p", "base_frme:=base_link"}),
+      HasSubstr("no parameter 'base_frme'; did you mean 'base_frame'?"));
+  EXPECT_THAT(refused({"agent", "bridge", "--ros-args", "-p", "scan:={a: 1}"}),
+              HasSubstr("'value' must be one value"));
   EXPECT_THAT(refused({"agent", "run", "--ros2", "r.yaml", "--ros-args", "-p",
                        "use_sim_time:=true"}),
               HasSubstr("use_sim_time stand in the file"));

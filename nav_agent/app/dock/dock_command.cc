@@ -8,6 +8,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/agent_command/agent_command.h"
@@ -52,16 +53,26 @@ std::string Word(const std::string& name, absl::string_view prefix) {
                              {{"_", " "}});
 }
 
-absl::Status List(const DockFlags& flags) {
+std::string Described(const v1::Dock& dock) {
+  return absl::StrFormat(
+      "%s: at (%.3f, %.3f), %.3f rad, level %d, %s from "
+      "%.2f m",
+      dock.name(), dock.x_m(), dock.y_m(), dock.yaw_rad(), dock.level(),
+      dock.backward() ? "backward" : "forward", dock.staging_m());
+}
+
+absl::StatusOr<v1::GetDocksResponse> GetDocks(const DockFlags& flags) {
   grpc::ClientContext context;
   v1::GetDocksResponse found;
   TL_RETURN_IF_ERROR(CallStatus(
       flags.agent, DockingStub(flags.agent)->GetDocks(&context, {}, &found)));
+  return found;
+}
+
+absl::Status List(const DockFlags& flags) {
+  TL_ASSIGN_OR_RETURN(const v1::GetDocksResponse found, GetDocks(flags));
   for (const v1::Dock& dock : found.docks()) {
-    std::printf("%s: at (%.3f, %.3f), %.3f rad, level %d, %s from %.2f m\n",
-                dock.name().c_str(), dock.x_m(), dock.y_m(), dock.yaw_rad(),
-                dock.level(), dock.backward() ? "backward" : "forward",
-                dock.staging_m());
+    std::printf("%s\n", Described(dock).c_str());
   }
   if (found.docks().empty()) std::printf("no dock is kept\n");
   Warn(found.warning());
@@ -90,6 +101,14 @@ absl::Status Save(const DockFlags& flags) {
   TL_RETURN_IF_ERROR(CallStatus(
       flags.agent,
       DockingStub(flags.agent)->PutDocks(&context, request, &response)));
+  // With what the agent has made of it: where the robot stands, the staging.
+  TL_ASSIGN_OR_RETURN(const v1::GetDocksResponse found, GetDocks(flags));
+  for (const v1::Dock& kept : found.docks()) {
+    if (kept.name() != dock.name()) continue;
+    std::printf("dock kept: %s; %s\n", Described(kept).c_str(),
+                response.survives_restart() ? "in the agent's state folder"
+                                            : "until the agent ends");
+  }
   Warn(response.warning());
   return absl::OkStatus();
 }
@@ -99,16 +118,20 @@ absl::Status Delete(const DockFlags& flags) {
   request.mutable_names()->Add(flags.names.begin(), flags.names.end());
   grpc::ClientContext context;
   v1::RemoveDocksResponse response;
-  return CallStatus(
+  TL_RETURN_IF_ERROR(CallStatus(
       flags.agent,
-      DockingStub(flags.agent)->RemoveDocks(&context, request, &response));
+      DockingStub(flags.agent)->RemoveDocks(&context, request, &response)));
+  std::printf("docks no longer kept: %d\n", request.names_size());
+  return absl::OkStatus();
 }
 
 absl::Status Out(const DockFlags& flags) {
   grpc::ClientContext context;
   v1::UndockResponse response;
-  return CallStatus(flags.agent,
-                    DockingStub(flags.agent)->Undock(&context, {}, &response));
+  TL_RETURN_IF_ERROR(CallStatus(
+      flags.agent, DockingStub(flags.agent)->Undock(&context, {}, &response)));
+  std::printf("the robot drives straight out of its dock\n");
+  return absl::OkStatus();
 }
 
 std::string LineOf(const v1::DockResponse& feedback) {

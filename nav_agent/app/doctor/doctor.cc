@@ -228,7 +228,8 @@ std::vector<Finding> JudgeMap(
              .verdict = Verdict::kFail,
              .found = std::string(map.status().message()),
              .mend = absl::StrCat(
-                 "give --map the folder that treeline-agent map wrote")}};
+                 "give --map the folder that treeline-agent map wrote, or the "
+                 "YAML of a map of map_server")}};
   }
   int64_t free_cells = 0;
   std::vector<std::string> levels;

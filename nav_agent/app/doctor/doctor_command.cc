@@ -24,7 +24,7 @@
 #include "nav_agent/app/doctor/doctor_ros2.h"
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "nav_agent/app/run/agent_config.h"
-#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/map_bundle/drivable_map.h"
 
 namespace treeline::doctor_app {
 namespace {
@@ -156,17 +156,23 @@ absl::Status ExamineHardware(const std::string& path, double listen_s,
 
 // The scene's name, if the map has one.
 std::string ExamineMap(const std::string& path, Findings& findings) {
-  absl::StatusOr<map_bundle::MapBundle> bundle =
-      map_bundle::LoadMapBundle(path);
-  if (!bundle.ok()) {
-    Append(JudgeMap(path, bundle.status()), findings);
+  absl::StatusOr<map_bundle::DrivableMap> map =
+      map_bundle::LoadDrivableMap(path);
+  if (!map.ok()) {
+    Append(JudgeMap(path, map.status()), findings);
     return "";
   }
-  Append(JudgeMap(path,
-                  behavior::NavigatorMap{.voxels = std::move(bundle->voxels),
-                                         .levels = std::move(bundle->levels)}),
-         findings);
-  return bundle->manifest.name;
+  if (!map->warning.empty()) {
+    findings.push_back({.what = "map: what is unknown",
+                        .verdict = Verdict::kWarn,
+                        .found = map->warning,
+                        .mend = "change the YAML file"});
+  }
+  Append(
+      JudgeMap(path, behavior::NavigatorMap{.voxels = std::move(map->voxels),
+                                            .levels = std::move(map->levels)}),
+      findings);
+  return map->name;
 }
 
 absl::Status ExamineServer(const std::string& address, const std::string& scene,
@@ -286,7 +292,10 @@ cli::Command AddDoctorCommand(CLI::App& app) {
                    "A recorded drive: whether the calibration in the file of "
                    "--hardware still fits it")
       ->type_name("LOG");
-  command->add_option("--map", flags->map, "A map bundle")->type_name("BUNDLE");
+  command
+      ->add_option("--map", flags->map,
+                   "A map bundle, or a map of map_server (YAML)")
+      ->type_name("MAP");
   command->add_option("--server", flags->server, "A relocalization server")
       ->type_name("HOST:PORT");
   command

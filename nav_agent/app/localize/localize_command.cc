@@ -22,8 +22,9 @@
 #include "common/image/decode.h"
 #include "nav_agent/app/localize/localization_run.h"
 #include "nav_agent/app/ros/any_robot_file.h"
-#include "nav_agent/core/map_file.h"
+#include "nav_agent/core/doubtful_map.h"
 #include "nav_agent/localization/laser_level_map.h"
+#include "nav_agent/map_bundle/drivable_map.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/recording/log_correction.h"
@@ -93,17 +94,31 @@ absl::StatusOr<LocalizationMap> LevelsOf(const octree::VoxelMap& voxels,
   return map;
 }
 
+bool IsWeanMap(const std::string& path) {
+  return absl::EndsWith(path, ".dat") || absl::EndsWith(path, ".dat.gz");
+}
+
 absl::StatusOr<LocalizationMap> MapOf(const LocalizeFlags& flags,
                                       const RecordedDrive& drive) {
   const double laser_height_m = drive.base_from_laser.translation.z;
   if (!flags.map.empty()) {
-    TL_ASSIGN_OR_RETURN(
-        core::OccupancyGrid grid,
-        absl::EndsWith(flags.map, ".yaml") || absl::EndsWith(flags.map, ".yml")
-            ? core::ReadMap(flags.map)
-            : recording::ReadWeanMap(flags.map));
     LocalizationMap map;
-    map.grids.push_back(std::move(grid));
+    if (IsWeanMap(flags.map)) {
+      TL_ASSIGN_OR_RETURN(map.grids.emplace_back(),
+                          recording::ReadWeanMap(flags.map));
+      return map;
+    }
+    if (!map_bundle::IsFlatMapName(flags.map)) {
+      // It says what to give instead.
+      TL_RETURN_IF_ERROR(map_bundle::LoadDrivableMap(flags.map).status());
+    }
+    TL_ASSIGN_OR_RETURN(core::DoubtfulMap read,
+                        core::ReadDoubtfulMap(flags.map));
+    if (!read.doubt.empty()) {
+      std::fprintf(stderr, "note: %s: %s\n", flags.map.c_str(),
+                   read.doubt.c_str());
+    }
+    map.grids.push_back(std::move(read.grid));
     return map;
   }
   if (!drive.has_tilt) {
@@ -185,17 +200,26 @@ void PrintSummary(const RecordedDrive& drive, const LocalizationMap& map,
 }
 
 // A map bundle is its OctoMap, or, of a laser alone, its lowest level.
-void ResolveBundle(LocalizeFlags& flags) {
+absl::Status ResolveBundle(LocalizeFlags& flags) {
   std::error_code error;
-  if (!std::filesystem::is_directory(flags.map, error)) return;
+  if (!std::filesystem::is_directory(flags.map, error)) {
+    return absl::OkStatus();
+  }
   const absl::StatusOr<map_bundle::MapBundleManifest> manifest =
       map_bundle::ReadMapBundleManifest(flags.map);
   if (manifest.ok() && !manifest->planar_heights_m.empty()) {
     flags.map += absl::StrCat("/", map_bundle::kBundleLevels, "/level-0.yaml");
-    return;
+    return absl::OkStatus();
   }
-  flags.octomap = absl::StrCat(flags.map, "/", map_bundle::kBundleOctomap);
+  std::string octomap =
+      absl::StrCat(flags.map, "/", map_bundle::kBundleOctomap);
+  if (!std::filesystem::exists(octomap, error)) {
+    // It says what to give instead.
+    return map_bundle::LoadDrivableMap(flags.map).status();
+  }
+  flags.octomap = std::move(octomap);
   flags.map.clear();
+  return absl::OkStatus();
 }
 
 absl::Status CheckFlags(const LocalizeFlags& flags) {
@@ -244,7 +268,7 @@ absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
 }
 
 absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
-  ResolveBundle(flags);
+  TL_RETURN_IF_ERROR(ResolveBundle(flags));
   TL_RETURN_IF_ERROR(CheckFlags(flags));
   recording::LogCorrection correction;
   std::optional<core::MeasuredOdometryNoise> noise;

@@ -105,7 +105,7 @@ cli::Command AddLogCommand(CLI::App& app) {
                    "Depth maps (default: as we write them, or none)")
       ->type_name("TOPIC")
       ->group(kRos);
-  return {command,
+  return {group,
           [flags](const std::stop_token& /*stop*/) { return Convert(*flags); }};
 }
 

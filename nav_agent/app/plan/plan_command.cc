@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
@@ -93,7 +94,8 @@ absl::Status Run(PlanFlags& flags, const std::stop_token& stop) {
                       image::EncodePng(DrawPlanReport(*map, robot, report)));
   TL_RETURN_IF_ERROR(base::WriteFileAtomically(flags.picture, png));
   if (report.result.failure != core::NavigationCause::kNone) {
-    return absl::NotFoundError(PlanSummary(report));
+    return absl::NotFoundError(
+        absl::StripTrailingAsciiWhitespace(PlanSummary(report)));
   }
   std::printf("%sWritten to %s and %s\n", PlanSummary(report).c_str(),
               flags.json.c_str(), flags.picture.c_str());

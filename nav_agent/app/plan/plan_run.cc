@@ -1,19 +1,17 @@
 #include "nav_agent/app/plan/plan_run.h"
 
 #include <cmath>
-#include <filesystem>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/escaping.h"
-#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/core/map_file.h"
-#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/map_bundle/drivable_map.h"
 #include "nlohmann/json.hpp"
 #include "simulation/runs/localize_world.h"
 #include "simulation/worlds/world.h"
@@ -108,30 +106,12 @@ absl::StatusOr<planning::Blockage> ParseBlockage(const std::string& text) {
 
 absl::StatusOr<std::shared_ptr<const traversability::NavigationMap>>
 LoadNavigationMap(const std::string& path, bool allow_unknown) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    TL_ASSIGN_OR_RETURN(map_bundle::MapBundle bundle,
-                        map_bundle::LoadMapBundle(path));
-    return Finished(std::move(bundle.levels), allow_unknown, path);
+  TL_ASSIGN_OR_RETURN(map_bundle::DrivableMap map,
+                      map_bundle::LoadDrivableMap(path));
+  if (!map.warning.empty()) {
+    std::fprintf(stderr, "note: %s: %s\n", path.c_str(), map.warning.c_str());
   }
-  if (!absl::EndsWith(path, ".yaml") && !absl::EndsWith(path, ".yml")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--map is '", path,
-        "'; it must be a map_server map (.yaml) or the folder of a map "
-        "bundle"));
-  }
-  TL_ASSIGN_OR_RETURN(const core::OccupancyGrid grid, core::ReadMap(path));
-  // Levels' grids are not turned; a map's origin may be. The plan does not
-  // mind.
-  core::OccupancyGrid upright = grid;
-  upright.map_from_grid = {};
-  const double floor_m = 0;
-  TL_ASSIGN_OR_RETURN(traversability::TraversableMap levels,
-                      map_bundle::PlanarLevels({&upright, 1}, {&floor_m, 1}));
-  for (traversability::TraversableLevel& level : levels.levels) {
-    level.grid.map_from_grid = grid.map_from_grid * level.grid.map_from_grid;
-  }
-  return Finished(std::move(levels), allow_unknown, path);
+  return Finished(std::move(map.levels), allow_unknown, path);
 }
 
 absl::StatusOr<std::shared_ptr<const traversability::NavigationMap>>

@@ -120,23 +120,31 @@ absl::Status Delete(const RouteFlags& flags) {
   request.mutable_names()->Add(flags.names.begin(), flags.names.end());
   grpc::ClientContext context;
   v1::RemoveRoutesResponse response;
-  return CallStatus(flags.agent,
-                    agent_service::AgentStub(flags.agent)
-                        ->RemoveRoutes(&context, request, &response));
+  TL_RETURN_IF_ERROR(CallStatus(
+      flags.agent, agent_service::AgentStub(flags.agent)
+                       ->RemoveRoutes(&context, request, &response)));
+  std::printf("routes no longer kept: %d\n", request.names_size());
+  return absl::OkStatus();
 }
 
 absl::Status Resume(const RouteFlags& flags) {
   grpc::ClientContext context;
   v1::ResumeRouteResponse response;
-  return CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
-                                     ->ResumeRoute(&context, {}, &response));
+  TL_RETURN_IF_ERROR(
+      CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
+                                  ->ResumeRoute(&context, {}, &response)));
+  std::printf("the route goes on\n");
+  return absl::OkStatus();
 }
 
 absl::Status Cancel(const RouteFlags& flags) {
   grpc::ClientContext context;
   v1::CancelRouteResponse response;
-  return CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
-                                     ->CancelRoute(&context, {}, &response));
+  TL_RETURN_IF_ERROR(
+      CallStatus(flags.agent, agent_service::AgentStub(flags.agent)
+                                  ->CancelRoute(&context, {}, &response)));
+  std::printf("the route is ended\n");
+  return absl::OkStatus();
 }
 
 // ---- run ----

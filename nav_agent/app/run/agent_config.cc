@@ -101,9 +101,10 @@ void AddRobot(Table& table) {
 void AddPlace(Table& table) {
   table.Add(&AgentConfig::map,
             {.name = "map",
-             .value_name = "BUNDLE",
-             .help = "Map bundle of `treeline-agent map`; with simulate and "
-                     "without map: the world's own perfect map"});
+             .value_name = "MAP",
+             .help = "Map bundle of `treeline-agent map`, or a map of "
+                     "map_server (YAML); with simulate and without map: the "
+                     "world's own perfect map"});
   table.Add(&AgentConfig::zone_masks,
             {.name = "zone_masks",
              .value_name = "FILE",
@@ -348,7 +349,8 @@ absl::Status AgentConfig::Validate() const {
   }
   if (map.empty() && simulate.empty() && !by_sight) {
     return absl::InvalidArgumentError(
-        "a real robot needs --map BUNDLE (treeline-agent map makes one), or "
+        "a real robot needs --map MAP (treeline-agent map makes one; the YAML "
+        "of a map of map_server will do), or "
         "--by-sight");
   }
   if (simulate.empty() && speed != 1) {

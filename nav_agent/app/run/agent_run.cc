@@ -30,7 +30,7 @@
 #include "nav_agent/app/run/ros_agent_robot.h"
 #include "nav_agent/app/run/watched_sensors.h"
 #include "nav_agent/bridge/foxglove/foxglove_server.h"
-#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/map_bundle/drivable_map.h"
 #include "nav_agent/mapless/mapless_navigator.h"
 #include "nav_agent/service/agent_grpc_server.h"
 #include "nav_agent/service/agent_info.h"
@@ -175,11 +175,15 @@ absl::Status AgentProgram::LoadMap() {
     TL_ASSIGN_OR_RETURN(*map, MapOfWorld(config_.simulate));
     info_.map_name = config_.simulate;
   } else {
-    TL_ASSIGN_OR_RETURN(map_bundle::MapBundle bundle,
-                        map_bundle::LoadMapBundle(config_.map));
-    info_.map_name = bundle.manifest.name;
-    map->voxels = std::move(bundle.voxels);
-    map->levels = std::move(bundle.levels);
+    TL_ASSIGN_OR_RETURN(map_bundle::DrivableMap read,
+                        map_bundle::LoadDrivableMap(config_.map));
+    if (!read.warning.empty()) {
+      log_.Say(logging::LogLevel::kWarn,
+               absl::StrCat(config_.map, ": ", read.warning));
+    }
+    info_.map_name = read.name;
+    map->voxels = std::move(read.voxels);
+    map->levels = std::move(read.levels);
   }
   map_ = std::move(map);
   return absl::OkStatus();

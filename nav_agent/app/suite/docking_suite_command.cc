@@ -46,18 +46,20 @@ absl::Status RunDockings(const DockingFlags& flags,
                       suites::ParseSeedList(flags.suite.seeds));
   suites::Suite<dockings::DockingRun> suite;
   suite.name = "dockings";
+  suites::SuiteOptions with_people = flags.suite;
   for (const std::string& scene : flags.scenes) {
+    with_people.people |= dockings::HasPeople(scene);
     for (suites::SuiteJob& job :
          suites::JobsOf(flags.suite.worlds, seeds, scene)) {
       suite.jobs.push_back(std::move(job));
     }
   }
-  const auto map_options = [&flags](const std::string& world) {
-    return flags.suite.MapOptions(world);
+  const auto map_options = [&with_people](const std::string& world) {
+    return with_people.MapOptions(world);
   };
   TL_ASSIGN_OR_RETURN(
       const suites::SuitePlaces places,
-      suites::PrepareSuite(suite.jobs, flags.suite, map_options, stop));
+      suites::PrepareSuite(suite.jobs, with_people, map_options, stop));
   const int expected = static_cast<int>(suite.jobs.size());
   suite.run = [&](const suites::SuiteJob& job,
                   const suites::SuitePlace& place) {
@@ -83,7 +85,7 @@ absl::Status RunDockings(const DockingFlags& flags,
             .title = absl::StrCat(
                 dockings::DockingSuiteOutcomeName(run.outcome), " ", run.why)};
   };
-  return suites::RunSuite(suite, places, flags.suite, stop);
+  return suites::RunSuite(suite, places, with_people, stop);
 }
 
 }  // namespace
@@ -104,6 +106,9 @@ cli::Command AddDockingSuite(CLI::App& suite) {
   command->add_flag("--by-map", flags->by_map,
                     "Go by the place on the map alone, not by what the laser "
                     "sees from a dock");
+  command->add_flag("--people", flags->suite.people,
+                    "People walk about; so they do if one of the scenes needs "
+                    "them");
   command->add_flag("--contacts", flags->contacts,
                     "The battery tells of contacts, which reach 3 cm");
   return {command, [flags](const std::stop_token& stop) {

@@ -38,6 +38,13 @@ absl::Status Run(TraversabilityFlags& flags) {
               static_cast<long long>(summary.occupied_cells));
   std::printf("Extracted in %.1f ms; written to %s\n", summary.extraction_ms,
               flags.command.output_folder.c_str());
+  if (summary.free_cells == 0) {
+    std::fprintf(
+        stderr,
+        "note: a robot may drive nowhere: the OctoMap has no ground of "
+        "these limits. That of a bundle of a laser alone has none at "
+        "all: its levels are in the bundle\n");
+  }
   return absl::OkStatus();
 }
 

@@ -110,9 +110,11 @@ absl::Status Delete(const ZonesFlags& flags) {
   request.mutable_names()->Add(flags.names.begin(), flags.names.end());
   grpc::ClientContext context;
   v1::RemoveZonesResponse response;
-  return CallStatus(
+  TL_RETURN_IF_ERROR(CallStatus(
       flags.agent,
-      AgentStub(flags.agent)->RemoveZones(&context, request, &response));
+      AgentStub(flags.agent)->RemoveZones(&context, request, &response)));
+  std::printf("zones removed: %d\n", request.names_size());
+  return absl::OkStatus();
 }
 
 }  // namespace
