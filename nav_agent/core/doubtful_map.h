@@ -16,7 +16,8 @@ struct DoubtfulMap {
 };
 
 // ReadMap (nav_agent/core/map_file.h), with what is doubtful about the file:
-// grey of unknown ground that its thresholds make free.
+// grey of unknown ground that its thresholds make free, and keys that are not
+// known (map_server passes over them, too).
 absl::StatusOr<DoubtfulMap> ReadDoubtfulMap(const std::string& path);
 
 }  // namespace treeline::core

@@ -4,12 +4,17 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
@@ -26,6 +31,11 @@ constexpr uint16_t kUnknownGrey = 205;
 // So much of a map that is unknown and counts as free is told of.
 constexpr double kToldShare = 0.01;
 
+// What map_server reads of a map's YAML.
+constexpr absl::string_view kKnownKeys[] = {
+    "image",           "resolution",  "origin", "negate",
+    "occupied_thresh", "free_thresh", "mode"};
+
 enum class MapMode { kTrinary, kScale, kRaw };
 
 struct MapSettings {
@@ -36,6 +46,7 @@ struct MapSettings {
   double occupied_threshold = 0.65;
   double free_threshold = 0.196;
   MapMode mode = MapMode::kTrinary;
+  std::vector<std::string> unknown_keys;
 };
 
 // Words of a PGM's head, comments left out.
@@ -112,10 +123,12 @@ absl::Status ReadRawValues(absl::string_view bytes, absl::string_view name,
 }
 
 absl::StatusOr<MapSettings> ReadSettings(const yaml::YamlNode& yaml) {
-  TL_RETURN_IF_ERROR(
-      yaml.CheckKeys({"image", "resolution", "origin", "negate",
-                      "occupied_thresh", "free_thresh", "mode"}));
   MapSettings settings;
+  for (std::string& key : yaml.Keys()) {
+    if (std::ranges::find(kKnownKeys, key) == std::end(kKnownKeys)) {
+      settings.unknown_keys.push_back(std::move(key));
+    }
+  }
   TL_ASSIGN_OR_RETURN(settings.image, yaml.Text("image"));
   TL_ASSIGN_OR_RETURN(settings.resolution_m,
                       yaml.Number("resolution", 1e-3, 100));
@@ -222,7 +235,7 @@ absl::StatusOr<MapPicture> ReadMapPicture(const std::string& path) {
 
 // map_saver writes what is unknown as grey 205, and Nav2's writes
 // `free_thresh: 0.25` beside it, which makes that free.
-std::string DoubtOf(const MapPicture& map) {
+std::string DoubtOfUnknownCells(const MapPicture& map) {
   const auto& [settings, picture] = map;
   if (settings.mode == MapMode::kRaw || picture.max_value != 255 ||
       OccupancyOf(kUnknownGrey, picture, settings) != Occupancy::kFree) {
@@ -237,6 +250,17 @@ std::string DoubtOf(const MapPicture& map) {
       "(205), and free_thresh: %g makes them free, as in Nav2; set "
       "free_thresh to 0.196 for them to be unknown",
       100 * share, settings.free_threshold);
+}
+
+// Programs write more than map_server reads, and it passes over that.
+std::string DoubtOf(const MapPicture& map) {
+  std::string doubt = DoubtOfUnknownCells(map);
+  if (!map.settings.unknown_keys.empty()) {
+    absl::StrAppend(&doubt, doubt.empty() ? "" : "; ",
+                    "not known, and passed over: ",
+                    absl::StrJoin(map.settings.unknown_keys, ", "));
+  }
+  return doubt;
 }
 
 }  // namespace

@@ -56,6 +56,16 @@ TEST_F(DrivableMapTest, AFlatMapIsOneLevelWhereItsOriginSays) {
   EXPECT_EQ(map->voxels.At({2, 1, 0}), octree::Voxel::kUnknown);
 }
 
+TEST_F(DrivableMapTest, KeysThatMapServerDoesNotKnowArePassedOverAndToldOf) {
+  Write("m.pgm", "P2 2 1 255 254 0\n");
+  const auto map = LoadDrivableMap(
+      Write("m.yaml",
+            "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
+            "free_tresh: 0.3\ncost_translation_table: default\n"));
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_THAT(map->warning, HasSubstr("free_tresh, cost_translation_table"));
+}
+
 TEST_F(DrivableMapTest, UnknownGroundThatCountsAsFreeIsToldOf) {
   Write("m.pgm", "P2 2 2 255 254 0 205 205\n");
   const auto warning = [&](const std::string& more) {
