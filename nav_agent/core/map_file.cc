@@ -17,6 +17,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
+#include "common/base/nearest_name.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 #include "common/yaml/yaml_node.h"
@@ -125,9 +126,14 @@ absl::Status ReadRawValues(absl::string_view bytes, absl::string_view name,
 absl::StatusOr<MapSettings> ReadSettings(const yaml::YamlNode& yaml) {
   MapSettings settings;
   for (std::string& key : yaml.Keys()) {
-    if (std::ranges::find(kKnownKeys, key) == std::end(kKnownKeys)) {
-      settings.unknown_keys.push_back(std::move(key));
+    if (std::ranges::find(kKnownKeys, key) != std::end(kKnownKeys)) continue;
+    const std::string nearest = base::NearestName(key, kKnownKeys);
+    if (!nearest.empty()) {
+      TL_ASSIGN_OR_RETURN(const yaml::YamlNode value, yaml.Get(key));
+      return value.Error(absl::StrCat("unknown key '", key, "'; did you mean '",
+                                      nearest, "'?"));
     }
+    settings.unknown_keys.push_back(std::move(key));
   }
   TL_ASSIGN_OR_RETURN(settings.image, yaml.Text("image"));
   TL_ASSIGN_OR_RETURN(settings.resolution_m,

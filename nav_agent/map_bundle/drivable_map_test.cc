@@ -61,9 +61,9 @@ TEST_F(DrivableMapTest, KeysThatMapServerDoesNotKnowArePassedOverAndToldOf) {
   const auto map = LoadDrivableMap(
       Write("m.yaml",
             "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
-            "free_tresh: 0.3\ncost_translation_table: default\n"));
+            "saved_by: me\ncost_translation_table: default\n"));
   ASSERT_TRUE(map.ok()) << map.status();
-  EXPECT_THAT(map->warning, HasSubstr("free_tresh, cost_translation_table"));
+  EXPECT_THAT(map->warning, HasSubstr("saved_by, cost_translation_table"));
 }
 
 TEST_F(DrivableMapTest, UnknownGroundThatCountsAsFreeIsToldOf) {
