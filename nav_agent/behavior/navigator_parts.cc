@@ -361,6 +361,10 @@ core::VelocityCommand NavigatorOfParts::StepLost(
   if (was_active) {
     input.can_turn = parts_.controller->CanTurn(pose);
     input.free_ahead_m = parts_.controller->FreeWay_m(pose, kMaxAskAhead_m);
+    if (parts_.controller->QuietFor_s(now_) >= kNobodyMovedFor_s) {
+      input.free_behind_m =
+          std::abs(parts_.controller->FreeWay_m(pose, -kBackUp_m));
+    }
   }
   const RelocalizationBehavior::Output output = parts_.lost->Step(input);
   for (RelocalizationNote& note : parts_.lost->TakeNotes()) {

@@ -104,6 +104,8 @@ struct RelocalizationInput {
   // elsewhere for a robot that is lost.
   bool can_turn = true;
   double free_ahead_m = 0;
+  // 0 while people may come up behind it.
+  double free_behind_m = 0;
 };
 
 struct RelocalizationNote {

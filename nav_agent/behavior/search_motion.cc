@@ -16,6 +16,7 @@ void SearchMotion::Begin(base::MonotonicTime now) {
   turned_rad_ = 0;
   turns_ = 0;
   best_free_m_ = 0;
+  has_backed_up_ = false;
   ordered_.reset();
 }
 
@@ -23,6 +24,7 @@ void SearchMotion::GoTo(double yaw_in_odom_rad, double way_m, double move_mps,
                         const localization::TrackedMotion& motion,
                         base::MonotonicTime now) {
   ordered_ = {.yaw_rad = yaw_in_odom_rad, .way_m = way_m, .move_mps = move_mps};
+  has_backed_up_ = false;
   NextLeg(Leg::kFace, motion, now);
 }
 
@@ -30,6 +32,7 @@ void SearchMotion::EndWay(const localization::TrackedMotion& motion,
                           base::MonotonicTime now) {
   ordered_.reset();
   best_free_m_ = 0;
+  has_backed_up_ = false;
   NextLeg(Leg::kTurn, motion, now);
 }
 
@@ -64,7 +67,9 @@ SearchMotion::Result SearchMotion::Step(
     case Leg::kTurn:
       return Turn(motion, input, speeds, swing);
     case Leg::kFace:
-      return {.wanted = Face(motion, input.now, speeds.turn_radps)};
+      return {.wanted = Face(motion, input, speeds.turn_radps)};
+    case Leg::kBackUp:
+      return {.wanted = BackUp(motion, input.now)};
     case Leg::kMove:
       break;
   }
@@ -93,12 +98,20 @@ SearchMotion::Result SearchMotion::Turn(
 }
 
 core::VelocityCommand SearchMotion::Face(
-    const localization::TrackedMotion& motion, base::MonotonicTime now,
+    const localization::TrackedMotion& motion, const RelocalizationInput& input,
     double turn_radps) {
   const bool has_way =
       ordered_.has_value() || best_free_m_ >= 2 * kMinSearchMove_m;
-  if (!has_way || IsStuck(now) || IsHeld(motion, now)) {
-    EndWay(motion, now);
+  const bool is_held = IsHeld(motion, input.now);
+  if (has_way && is_held && !has_backed_up_ &&
+      input.free_behind_m >= kMinBackUp_m) {
+    has_backed_up_ = true;
+    leg_m_ = input.free_behind_m;
+    NextLeg(Leg::kBackUp, motion, input.now);
+    return {};
+  }
+  if (!has_way || is_held || IsStuck(input.now)) {
+    EndWay(motion, input.now);
     return {};
   }
   const double yaw_rad =
@@ -109,8 +122,20 @@ core::VelocityCommand SearchMotion::Face(
   }
   leg_m_ =
       ordered_.has_value() ? ordered_->way_m : best_free_m_ - kMinSearchMove_m;
-  NextLeg(Leg::kMove, motion, now);
+  NextLeg(Leg::kMove, motion, input.now);
   return {};
+}
+
+core::VelocityCommand SearchMotion::BackUp(
+    const localization::TrackedMotion& motion, base::MonotonicTime now) {
+  const double moved_m =
+      geometry::Norm(motion.odom_from_base.translation - leg_from_.translation);
+  if (moved_m >= leg_m_ - kBackUpTolerance_m ||
+      base::SecondsBetween(leg_since_, now) > kMaxBackUp_s) {
+    NextLeg(Leg::kFace, motion, now);
+    return {};
+  }
+  return {.forward_mps = -kBackUp_mps, .yaw_rate_radps = 0};
 }
 
 SearchMotion::Result SearchMotion::Move(

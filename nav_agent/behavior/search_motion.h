@@ -1,5 +1,6 @@
 // How a robot moves that looks for its place by laser: a full turn, then to the
-// freest side, again and again.
+// freest side, again and again. Where it cannot turn to that, it backs up
+// first.
 #ifndef NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 #define NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 
@@ -53,7 +54,7 @@ class SearchMotion {
               SwingMotion& swing);
 
  private:
-  enum class Leg : uint8_t { kTurn, kFace, kMove };
+  enum class Leg : uint8_t { kTurn, kFace, kBackUp, kMove };
 
   void NextLeg(Leg leg, const localization::TrackedMotion& motion,
                base::MonotonicTime now);
@@ -61,7 +62,10 @@ class SearchMotion {
               const RelocalizationInput& input, const SearchSpeeds& speeds,
               SwingMotion& swing);
   core::VelocityCommand Face(const localization::TrackedMotion& motion,
-                             base::MonotonicTime now, double turn_radps);
+                             const RelocalizationInput& input,
+                             double turn_radps);
+  core::VelocityCommand BackUp(const localization::TrackedMotion& motion,
+                               base::MonotonicTime now);
   // It wants to turn, and has not for long.
   bool IsHeld(const localization::TrackedMotion& motion,
               base::MonotonicTime now);
@@ -72,8 +76,10 @@ class SearchMotion {
   Leg leg_ = Leg::kTurn;
   base::MonotonicTime leg_since_;
   geometry::Rigid2 leg_from_;
-  // Of a move.
+  // Of a move, ahead or back.
   double leg_m_ = 0;
+  // For the direction that it is to face.
+  bool has_backed_up_ = false;
   // What GoTo has ordered.
   struct Way {
     double yaw_rad = 0;

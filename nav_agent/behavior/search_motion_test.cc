@@ -19,11 +19,17 @@ class SearchMotionTest : public testing::Test {
   SearchMotion::Result Step() {
     now_s_ += kStep_s;
     const double yaw_rad = motion_.odom_from_base.yaw_rad;
-    const SearchMotion::Result result = search_.Step(
-        motion_, {.now = At(now_s_), .free_ahead_m = free_at_(yaw_rad)},
-        {.turn_radps = 0.8, .move_mps = 0.15}, swing_);
+    const SearchMotion::Result result =
+        search_.Step(motion_,
+                     {.now = At(now_s_),
+                      .free_ahead_m = free_at_(yaw_rad),
+                      .free_behind_m = free_behind_m_},
+                     {.turn_radps = 0.8, .move_mps = 0.15}, swing_);
     core::VelocityCommand moves = result.wanted;
     if (is_stuck_) moves = {};
+    if (motion_.odom_from_base.translation.x > turns_below_m_) {
+      moves.yaw_rate_radps = 0;
+    }
     const geometry::Rigid2 step = {{kStep_s * moves.forward_mps, 0},
                                    kStep_s * moves.yaw_rate_radps};
     motion_.odom_from_base = motion_.odom_from_base * step;
@@ -41,6 +47,9 @@ class SearchMotionTest : public testing::Test {
   localization::TrackedMotion motion_;
   double now_s_ = 100;
   bool is_stuck_ = false;
+  double free_behind_m_ = 0;
+  // Further on, something holds it when it turns.
+  double turns_below_m_ = INFINITY;
   int turns_ = 0;
   std::function<double(double)> free_at_ = [](double) { return 0.0; };
 };
@@ -148,6 +157,30 @@ TEST_F(SearchMotionTest, WhoCannotFaceAnOrderedWaySwingsInstead) {
   EXPECT_TRUE(search_.is_under_way());
   Run(0.3);
   EXPECT_FALSE(search_.is_under_way());
+}
+
+TEST_F(SearchMotionTest, WhoCannotFaceAnOrderedWayBacksUpFirst) {
+  turns_below_m_ = -0.1;
+  free_behind_m_ = 0.3;
+  free_at_ = [](double) { return 1.0; };
+  search_.GoTo(2, 1, 0.3, motion_, At(now_s_));
+  bool has_arrived = false;
+  for (double s = 0; s < 30 && !has_arrived; s += kStep_s) {
+    has_arrived = Step().has_arrived;
+  }
+  EXPECT_TRUE(has_arrived);
+  const geometry::Vec2 at = motion_.odom_from_base.translation;
+  EXPECT_NEAR(at.x, -0.3 + std::cos(2), 0.15);
+  EXPECT_NEAR(at.y, std::sin(2), 0.1);
+}
+
+TEST_F(SearchMotionTest, WhoIsHeldAfterBackingUpSwings) {
+  turns_below_m_ = -5;
+  free_behind_m_ = 0.3;
+  search_.GoTo(2, 1, 0.3, motion_, At(now_s_));
+  Run(10);
+  EXPECT_FALSE(search_.is_under_way());
+  EXPECT_NEAR(motion_.odom_from_base.translation.x, -0.3, 0.03);
 }
 
 TEST_F(SearchMotionTest, AnOrderedWayCanBeCutShort) {

@@ -7,6 +7,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/status_macros.h"
 #include "evaluation/dockings/docking_report.h"
@@ -98,11 +99,12 @@ cli::Command AddDockingSuite(CLI::App& suite) {
   AddSuiteFlags(*command, "docking", flags->suite);
   command
       ->add_option("--scenes", flags->scenes,
-                   "What kinds of docks, and what happens there")
+                   absl::StrCat("What kinds of docks, and what happens there: ",
+                                absl::StrJoin(dockings::DockingScenes(), ", ")))
       ->type_name("SCENE,...")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::IsMember(dockings::DockingScenes()));
+      ->check(CLI::IsMember(dockings::DockingScenes()).description(""));
   command->add_flag("--by-map", flags->by_map,
                     "Go by the place on the map alone, not by what the laser "
                     "sees from a dock");
