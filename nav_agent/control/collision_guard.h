@@ -35,8 +35,8 @@ struct CollisionGuardOptions {
   double approach_mps = kApproachSpeed_mps;
   double moving_margin_m = kMovingMargin_m;
   double body_margin_m = kBodyMargin_m;
-  // From where somebody may be who is not seen (m).
-  double hidden_margin_m = kHiddenMargin_m;
+  // From the middle of somebody who is not seen (m).
+  double lost_margin_m = kLostMargin_m;
   // Where somebody may be, no edge of the robot moves outwards faster (m/s).
   double outward_mps = kOutwardSpeed_mps;
 

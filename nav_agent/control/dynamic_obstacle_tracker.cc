@@ -3,23 +3,26 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
+#include <utility>
 
 #include "nav_agent/control/driving_parameters.h"
 
 namespace treeline::control {
+namespace {
 
-void DynamicObstacleTracker::Clear() {
-  tracks_.clear();
-  hidden_.Clear();
-}
+struct Cluster {
+  geometry::Vec2 sum;
+  int points = 0;
+  geometry::Vec2 Middle() const { return (1.0 / points) * sum; }
+};
 
-std::vector<DynamicObstacleTracker::Cluster> DynamicObstacleTracker::ClustersOf(
-    std::span<const TrackedScan> looks) const {
+std::vector<Cluster> ClustersOf(std::span<const TrackedScan> looks,
+                                double size_m) {
   std::vector<Cluster> clusters;
   const auto add = [&](geometry::Vec2 in_map) {
     auto nearest = std::ranges::find_if(clusters, [&](const Cluster& cluster) {
-      return geometry::Norm(cluster.Middle() - in_map) < options_.size_m;
+      return geometry::Norm(cluster.Middle() - in_map) < size_m;
     });
     if (nearest == clusters.end()) {
       nearest = clusters.insert(clusters.end(), Cluster());
@@ -35,18 +38,36 @@ std::vector<DynamicObstacleTracker::Cluster> DynamicObstacleTracker::ClustersOf(
   return clusters;
 }
 
-bool DynamicObstacleTracker::IsCut(std::span<const TrackedScan> looks,
-                                   geometry::Vec2 in_map) const {
-  bool is_seen = false;
-  for (const TrackedScan& look : looks) {
-    const std::optional<BeamTowards> beam = BeamTo(look, in_map);
-    if (!beam.has_value() || beam->range_m <= beam->away_m - kInFront_m) {
-      continue;
-    }
-    if (beam->to_edge_m >= options_.cut_m) return false;
-    is_seen = true;
+}  // namespace
+
+DynamicObstacleTracker::Sight DynamicObstacleTracker::SightIn(
+    const TrackedScan& look, geometry::Vec2 in_map) const {
+  const core::RangeSensorInfo& laser = look.laser;
+  const geometry::Vec3 in_laser =
+      look.map_from_laser.Inverse() *
+      geometry::Vec3{in_map.x, in_map.y, look.map_from_laser.translation.z};
+  const double beam =
+      (std::atan2(in_laser.y, in_laser.x) - laser.angle_min_rad) /
+      laser.angle_increment_rad;
+  if (!(beam >= 0 && beam <= laser.beams - 1)) return Sight::kNot;
+  const double away_m = std::hypot(in_laser.x, in_laser.y);
+  const float range_m =
+      look.scan.ranges_m[static_cast<size_t>(std::lround(beam))];
+  if (!(range_m >= laser.range_min_m && range_m > away_m - kInFront_m)) {
+    return Sight::kNot;
   }
-  return is_seen;
+  const double to_edge_rad =
+      laser.angle_increment_rad * std::min(beam, laser.beams - 1 - beam);
+  return to_edge_rad * away_m < options_.cut_m ? Sight::kPart : Sight::kFull;
+}
+
+DynamicObstacleTracker::Sight DynamicObstacleTracker::SightOf(
+    std::span<const TrackedScan> looks, geometry::Vec2 in_map) const {
+  Sight best = Sight::kNot;
+  for (const TrackedScan& look : looks) {
+    best = std::max(best, SightIn(look, in_map));
+  }
+  return best;
 }
 
 void DynamicObstacleTracker::Follow(Track& track, geometry::Vec2 in_map,
@@ -67,147 +88,58 @@ void DynamicObstacleTracker::Follow(Track& track, geometry::Vec2 in_map,
           (kMaxWalkingSpeed_mps / speed_mps) * track.velocity_mps;
     }
   }
-  if (geometry::Norm(track.in_map - track.begun_at) > options_.size_m) {
-    track.has_walked = true;
-  }
   track.unseen_s = 0;
-  track.stands = false;
+  track.missed = 0;
   ++track.seen;
 }
 
-bool DynamicObstacleTracker::Stand(Track& track,
-                                   std::span<const TrackedScan> looks) const {
-  if (!track.has_walked) return false;
-  Cluster there;
-  for (const TrackedScan& look : looks) {
-    for (const ObservedPoint& point : look.points) {
-      if (!point.is_new || point.is_moving ||
-          geometry::Norm(point.in_map - track.in_map) > options_.size_m) {
-        continue;
-      }
-      there.sum = there.sum + point.in_map;
-      ++there.points;
-    }
-  }
-  if (there.points == 0) return false;
-  track.in_map = there.Middle();
-  track.velocity_mps = {};
-  track.fitted = 0;
-  track.unseen_s = 0;
-  track.stands = true;
-  return true;
-}
-
-DynamicObstacleTracker::Cluster* DynamicObstacleTracker::Find(
-    const Track& track, std::span<Cluster> clusters) const {
-  Cluster* best = nullptr;
-  double best_m = 0;
-  for (Cluster& cluster : clusters) {
-    const geometry::Vec2 middle = cluster.Middle();
-    const double off_m = geometry::Norm(middle - track.in_map);
-    if (cluster.is_taken || (best != nullptr && off_m >= best_m)) continue;
-    if (off_m < options_.reach_m ||
-        (track.unseen_s > 0 &&
-         hidden_.MayBeNear(track.who, middle, options_.size_m))) {
-      best = &cluster;
-      best_m = off_m;
-    }
-  }
-  return best;
-}
-
-void DynamicObstacleTracker::Match(std::span<const TrackedScan> looks,
-                                   std::span<Cluster> clusters,
-                                   double interval_s) {
-  // Whoever was seen last is sought first: a cluster is his rather than that of
-  // one who may be anywhere.
-  std::ranges::stable_sort(tracks_, {}, &Track::unseen_s);
-  std::vector<geometry::Vec2> standing;
-  for (Track& track : tracks_) {
-    track.in_map = track.in_map + interval_s * track.velocity_mps;
-    Cluster* const found = Find(track, clusters);
-    if (found == nullptr) {
-      const bool is_other =
-          std::ranges::any_of(standing, [&](geometry::Vec2 in_map) {
-            return geometry::Norm(in_map - track.in_map) < options_.size_m;
-          });
-      if (!is_other && Stand(track, looks)) {
-        standing.push_back(track.in_map);
-        hidden_.Put(track.who, track.in_map, options_.body_m);
-      } else {
-        track.unseen_s += interval_s;
-      }
-      continue;
-    }
-    found->is_taken = true;
-    const geometry::Vec2 middle = found->Middle();
-    // Of what is cut off by the edge of the view, the middle is not seen.
-    if (track.fitted > options_.fitted_scans / 2 && IsCut(looks, middle)) {
-      track.unseen_s = 0;
-    } else {
-      Follow(track, middle, interval_s);
-    }
-    hidden_.Put(track.who, middle, options_.body_m);
-  }
-}
-
-// Clusters beside one that is followed are its own.
-void DynamicObstacleTracker::Begin(std::span<const Cluster> clusters) {
-  for (const Cluster& cluster : clusters) {
-    if (cluster.is_taken) continue;
-    const geometry::Vec2 middle = cluster.Middle();
-    const bool is_known = std::ranges::any_of(clusters, [&](const Cluster& of) {
-      return of.is_taken &&
-             geometry::Norm(of.Middle() - middle) < options_.body_m;
-    });
-    if (is_known) continue;
-    const std::optional<int> who = hidden_.Take();
-    if (!who.has_value()) return;
-    hidden_.Put(*who, middle, options_.body_m);
-    tracks_.push_back({.who = *who,
-                       .begun_at = middle,
-                       .in_map = middle,
-                       .velocity_mps = {},
-                       .seen = 1,
-                       .fitted = 1});
-  }
-}
-
-void DynamicObstacleTracker::Forget() {
-  std::erase_if(tracks_, [&](const Track& track) {
-    const auto is_lost = [&] {
-      const double area_m2 = hidden_.Area_m2(track.who);
-      return area_m2 == 0 || area_m2 > options_.lost_area_m2;
-    };
-    const bool has_gone = track.unseen_s > options_.memory_s ||
-                          (track.unseen_s > 0 &&
-                           (track.seen < options_.scans_to_begin || is_lost()));
-    if (has_gone) hidden_.Give(track.who);
-    return has_gone;
-  });
-}
-
 void DynamicObstacleTracker::AddLooks(base::MonotonicTime stamp,
-                                      std::span<const TrackedScan> looks,
-                                      const HiddenPlaces::IsSolid& is_solid) {
+                                      std::span<const TrackedScan> looks) {
   const double interval_s =
       last_.has_value() ? std::chrono::duration<double>(stamp - *last_).count()
                         : 0;
   last_ = stamp;
   if (interval_s < 0 || interval_s > kLongestInterval_s) Clear();
-  if (looks.empty()) return;
-  const geometry::Vec3& at = looks.front().map_from_laser.translation;
-  hidden_.Spread({at.x, at.y}, interval_s, is_solid);
-  std::vector<Cluster> clusters = ClustersOf(looks);
-  Match(looks, clusters, interval_s);
-  Begin(clusters);
-  hidden_.LookThrough(looks);
-  Forget();
+  std::vector<Cluster> clusters = ClustersOf(looks, options_.size_m);
+  for (Track& track : tracks_) {
+    track.in_map = track.in_map + interval_s * track.velocity_mps;
+    const auto nearest =
+        std::ranges::min_element(clusters, {}, [&](const Cluster& cluster) {
+          return geometry::Norm(cluster.Middle() - track.in_map);
+        });
+    if (nearest != clusters.end() &&
+        geometry::Norm(nearest->Middle() - track.in_map) <
+            options_.reach_m +
+                options_.position_uncertainty_mps * track.unseen_s) {
+      // Of what is cut off by the edge of the view, the middle is not seen.
+      if (track.fitted > options_.fitted_scans / 2 &&
+          SightOf(looks, nearest->Middle()) == Sight::kPart) {
+        track.unseen_s = 0;
+      } else {
+        Follow(track, nearest->Middle(), interval_s);
+      }
+      clusters.erase(nearest);
+      continue;
+    }
+    track.unseen_s += interval_s;
+    track.missed =
+        SightOf(looks, track.in_map) == Sight::kFull ? track.missed + 1 : 0;
+  }
+  std::erase_if(tracks_, [&](const Track& track) {
+    return track.missed >= options_.scans_to_end ||
+           track.unseen_s > options_.memory_s ||
+           (track.unseen_s > 0 && track.seen < options_.scans_to_begin);
+  });
   for (const Track& track : tracks_) {
-    if (track.unseen_s == 0 && !track.stands &&
-        track.seen >= options_.scans_to_begin) {
+    if (track.unseen_s == 0 && track.seen >= options_.scans_to_begin) {
       last_seen_ = stamp;
     }
+  }
+  for (const Cluster& cluster : clusters) {
+    tracks_.push_back({.in_map = cluster.Middle(),
+                       .velocity_mps = {},
+                       .seen = 1,
+                       .fitted = 1});
   }
 }
 
@@ -217,17 +149,11 @@ std::vector<DynamicObstacle> DynamicObstacleTracker::DynamicObstacles() const {
     if (track.seen < options_.scans_to_begin) continue;
     movers.push_back({.in_map = track.in_map,
                       .velocity_mps = track.velocity_mps,
-                      .unseen_s = track.unseen_s});
+                      .unseen_s = track.unseen_s,
+                      .position_uncertainty_m =
+                          options_.position_uncertainty_mps * track.unseen_s});
   }
   return movers;
-}
-
-std::vector<geometry::Vec2> DynamicObstacleTracker::Hidden() const {
-  uint32_t who = 0;
-  for (const Track& track : tracks_) {
-    if (track.seen >= options_.scans_to_begin) who |= uint32_t{1} << track.who;
-  }
-  return hidden_.PlacesOf(who);
 }
 
 }  // namespace treeline::control

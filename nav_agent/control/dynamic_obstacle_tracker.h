@@ -3,16 +3,16 @@
 #ifndef NAV_AGENT_CONTROL_DYNAMIC_OBSTACLE_TRACKER_H_
 #define NAV_AGENT_CONTROL_DYNAMIC_OBSTACLE_TRACKER_H_
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "common/base/clock.h"
-#include "common/geometry/rigid2.h"
-#include "nav_agent/control/hidden_parameters.h"
-#include "nav_agent/control/hidden_places.h"
+#include "common/geometry/rigid3.h"
+#include "nav_agent/control/observed_point.h"
 #include "nav_agent/control/obstacle_parameters.h"
-#include "nav_agent/control/tracked_scan.h"
+#include "nav_agent/core/sensor_data.h"
 
 namespace treeline::control {
 
@@ -29,82 +29,74 @@ struct DynamicObstacleTrackerOptions {
   // squares fit to all (Benedict and Bordner's growing memory) until there are
   // so many.
   int fitted_scans = kFittedScans;
-  // Seen so often, it is there.
+  // Seen so often, it is there; not seen so often where it should be, it is
+  // not.
   int scans_to_begin = kScansToBegin;
-  // What is so near to what is seen of it may be its own as well (m).
-  double body_m = kLegReach_m;
-  // Out of sight it is forgotten after so long, or when it may be anywhere in
-  // so much room (s, m2).
-  double lost_area_m2 = kLostArea_m2;
-  double memory_s = kHiddenMemory_s;
+  int scans_to_end = kScansToEnd;
+  // Out of sight it walks on as it did, and every second may be so much further
+  // from there (m). After so long it is forgotten (s).
+  double position_uncertainty_mps = kPositionUncertainty_mps;
+  double memory_s = kRecently_s;
 };
 
-// One that moves, or moved.
+// One that moves.
 struct DynamicObstacle {
   geometry::Vec2 in_map;
   geometry::Vec2 velocity_mps;
   // Since it was seen last; 0: it is seen (s).
   double unseen_s = 0;
+  // How far from in_map its middle may be (m).
+  double position_uncertainty_m = 0;
 };
 
-// What moves in scans of planar lasers, followed from one to the next; where no
-// laser looks, behind the robot or behind others, by the places that it can
-// have reached there. Who walked and stands is followed, too. Pure;
-// deterministic; not thread-safe.
+// A scan, from where it was taken, and what of it moves (among `points`).
+struct TrackedScan {
+  core::RangeSensorInfo laser;
+  geometry::Rigid3 map_from_laser;
+  core::LaserScan scan;
+  std::span<const ObservedPoint> points;
+};
+
+// What moves in scans of planar lasers, followed from one to the next and on
+// where no laser looks: behind the robot, behind others. Pure; deterministic;
+// not thread-safe.
 class DynamicObstacleTracker {
  public:
   explicit DynamicObstacleTracker(const DynamicObstacleTrackerOptions& options)
-      : options_(options), hidden_({}) {}
+      : options_(options) {}
 
-  // What the lasers show at `stamp`, each in its newest scan. is_solid: where
-  // nobody can be; null: nowhere.
-  void AddLooks(base::MonotonicTime stamp, std::span<const TrackedScan> looks,
-                const HiddenPlaces::IsSolid& is_solid = nullptr);
-  void Clear();
+  // What the lasers show at `stamp`, each in its newest scan.
+  void AddLooks(base::MonotonicTime stamp, std::span<const TrackedScan> looks);
+  void Clear() { tracks_.clear(); }
 
   std::vector<DynamicObstacle> DynamicObstacles() const;
-  // Centres of cells that somebody, or a part of him, may be in unseen.
-  std::vector<geometry::Vec2> Hidden() const;
-  // When one was seen to move last; nullopt: never.
+  // When one was seen last; nullopt: never.
   std::optional<base::MonotonicTime> last_seen() const { return last_seen_; }
 
  private:
   struct Track {
-    // Its number among the hidden places.
-    int who = 0;
-    geometry::Vec2 begun_at;
     geometry::Vec2 in_map;
     geometry::Vec2 velocity_mps;
     int seen = 0;
     // Of them, those that place and speed rest on.
     int fitted = 0;
+    // In a row, where it should have been seen.
+    int missed = 0;
     double unseen_s = 0;
-    // It has come from somewhere else; and stands.
-    bool has_walked = false;
-    bool stands = false;
-  };
-  struct Cluster {
-    geometry::Vec2 sum;
-    int points = 0;
-    bool is_taken = false;
-    geometry::Vec2 Middle() const { return (1.0 / points) * sum; }
   };
 
-  std::vector<Cluster> ClustersOf(std::span<const TrackedScan> looks) const;
-  // The cluster nearest to where it is expected that may be it; null: none.
-  Cluster* Find(const Track& track, std::span<Cluster> clusters) const;
-  // Half of what is seen there may be beyond the view.
-  bool IsCut(std::span<const TrackedScan> looks, geometry::Vec2 in_map) const;
+  // How lasers see what is at a place, the one that sees best.
+  enum class Sight : uint8_t {
+    kNot = 0,   // it looks elsewhere, or something is in between
+    kPart = 1,  // half of it may be beyond the first or the last beam
+    kFull = 2
+  };
+  Sight SightIn(const TrackedScan& look, geometry::Vec2 in_map) const;
+  Sight SightOf(std::span<const TrackedScan> looks,
+                geometry::Vec2 in_map) const;
   void Follow(Track& track, geometry::Vec2 in_map, double interval_s) const;
-  // Whether it stands where it was: that is seen, but does not move.
-  bool Stand(Track& track, std::span<const TrackedScan> looks) const;
-  void Match(std::span<const TrackedScan> looks, std::span<Cluster> clusters,
-             double interval_s);
-  void Begin(std::span<const Cluster> clusters);
-  void Forget();
 
   DynamicObstacleTrackerOptions options_;
-  HiddenPlaces hidden_;
   std::vector<Track> tracks_;
   std::optional<base::MonotonicTime> last_;
   std::optional<base::MonotonicTime> last_seen_;

@@ -47,7 +47,7 @@ void AddSeen(const geometry::Rigid2& base_from_map,
 
 std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                                       const LocalCostmap& costmap,
-                                      std::span<const geometry::Vec2> hidden,
+                                      std::span<const DynamicObstacle> movers,
                                       const CollisionGuard& guard,
                                       const CloseApproach* approach) {
   const geometry::Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
@@ -86,13 +86,16 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
     }
   }
   // Somebody who went out of sight behind the robot is still about.
-  for (const geometry::Vec2& in_map : hidden) {
-    const geometry::Vec2 in_base = base_from_map * in_map;
-    if (geometry::Norm(in_base) > reach_m) continue;
-    points.push_back({.in_base = in_base,
-                      .margin_m = options.hidden_margin_m,
-                      .approach_mps = options.approach_mps,
-                      .is_of_body = true});
+  for (const DynamicObstacle& mover : movers) {
+    if (mover.unseen_s == 0) continue;
+    const geometry::Vec2 in_base = base_from_map * mover.in_map;
+    if (geometry::Norm(in_base) > reach_m + mover.position_uncertainty_m)
+      continue;
+    points.push_back(
+        {.in_base = in_base,
+         .margin_m = options.lost_margin_m + mover.position_uncertainty_m,
+         .approach_mps = options.approach_mps,
+         .is_of_body = true});
   }
   return points;
 }

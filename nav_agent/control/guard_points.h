@@ -8,6 +8,7 @@
 #include "nav_agent/control/close_approach.h"
 #include "nav_agent/control/collision_guard.h"
 #include "nav_agent/control/control_pose.h"
+#include "nav_agent/control/dynamic_obstacle_tracker.h"
 #include "nav_agent/control/local_costmap.h"
 
 namespace treeline::control {
@@ -15,8 +16,7 @@ namespace treeline::control {
 // In the robot's base at `pose`, within the guard's reach: the newest scans'
 // and, if it is not older than kDepthLifetime_s, the newest frame's points;
 // what the costmap has where no sensor looks; the map's about the place that a
-// robot which is lost supposes; and where somebody may be who is out of sight
-// (hidden). Each with the
+// robot which is lost supposes; and movers that are out of sight. Each with the
 // margin that the guard's options have for its kind.
 //
 // approach: null, or the thing that the robot drives up to. What is seen of it
@@ -24,7 +24,7 @@ namespace treeline::control {
 // cells are too coarse to come up to.
 std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                                       const LocalCostmap& costmap,
-                                      std::span<const geometry::Vec2> hidden,
+                                      std::span<const DynamicObstacle> movers,
                                       const CollisionGuard& guard,
                                       const CloseApproach* approach = nullptr);
 

@@ -177,12 +177,7 @@ void BandController::TrackDynamicObstacles(const ControlPose& pose,
       base::SecondsBetween(behind_->scan.stamp, scan.stamp) < kLag_s) {
     looks.push_back(*behind_);
   }
-  const geometry::Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
-  dynamic_obstacles_.AddLooks(scan.stamp, looks, [&](geometry::Vec2 in_map) {
-    return guard_.footprint().DistanceTo_m(base_from_map * in_map) < 0 ||
-           (costmap_.Contains(in_map) &&
-            !costmap_.GroundAt(in_map).has_value());
-  });
+  dynamic_obstacles_.AddLooks(scan.stamp, looks);
 }
 
 bool BandController::Sees(base::MonotonicTime now) const {
@@ -240,7 +235,7 @@ core::VelocityCommand BandController::GuardAlways(
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
   const std::vector<GuardPoint> points = GuardPointsOf(
-      pose, costmap_, dynamic_obstacles_.Hidden(), guard_, approach);
+      pose, costmap_, dynamic_obstacles_.DynamicObstacles(), guard_, approach);
   return Allow(pose, wanted, points).velocity;
 }
 
@@ -268,8 +263,8 @@ ControlResult BandController::Step(const ControlPose& pose) {
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
   NoteProgress(pose);
-  const std::vector<GuardPoint> points =
-      GuardPointsOf(pose, costmap_, dynamic_obstacles_.Hidden(), guard_);
+  const std::vector<GuardPoint> points = GuardPointsOf(
+      pose, costmap_, dynamic_obstacles_.DynamicObstacles(), guard_);
   if (!keeper_.progress().has_path()) {
     result.command = Allow(pose, {}, points).velocity;
     return result;

@@ -99,12 +99,12 @@ inline constexpr base::Parameter<int> kFittedScans{
 inline constexpr base::Parameter<int> kScansToBegin{
     "scans_to_begin", 4, "scans", base::ParameterOrigin::kTuned,
     "seen so often, somebody is there"};
-inline constexpr base::Parameter<double> kHiddenSize_m{
-    "hidden_size", 6.0, "m", base::ParameterOrigin::kGeometry,
-    "a square about the robot: who is further off does not reach it for 3 s"};
-inline constexpr base::Parameter<double> kHiddenMemory_s{
-    "hidden_memory", 8.0, "s", base::ParameterOrigin::kTuned,
-    "who has been out of sight for longer has gone another way"};
+inline constexpr base::Parameter<int> kScansToEnd{
+    "scans_to_end", 6, "scans", base::ParameterOrigin::kTuned,
+    "in a row where somebody should be seen: he is not there"};
+inline constexpr base::Parameter<double> kPositionUncertainty_mps{
+    "position_uncertainty", 0.35, "m/s", base::ParameterOrigin::kTuned,
+    "out of sight, somebody may be so much further off every second"};
 inline constexpr base::Parameter<double> kMaxWalkingSpeed_mps{
     "max_walking_speed", 2.0, "m/s", base::ParameterOrigin::kPhysics,
     "who walks is not faster"};
@@ -133,6 +133,9 @@ inline constexpr base::Parameter<double> kApproachSpeed_mps{
 inline constexpr base::Parameter<double> kBodyMargin_m{
     "body_margin", 0.25, "m", base::ParameterOrigin::kGeometry,
     "half of somebody of whom a leg is seen"};
+inline constexpr base::Parameter<double> kLostMargin_m{
+    "lost_margin", 0.35, "m", base::ParameterOrigin::kGeometry,
+    "from the middle of somebody who is out of sight"};
 inline constexpr base::Parameter<double> kOutwardSpeed_mps{
     "outward_speed", 0.005, "m/s", base::ParameterOrigin::kTuned,
     "an edge beside somebody does not move outwards, but for rounding; turns "
@@ -151,10 +154,6 @@ inline constexpr base::Parameter<double> kGuardSlack_m{
     "rounding: what is too near already is not nearer for that"};
 
 // ---- what follows ----
-// Cells of places where somebody may be: two of the costmap (m).
-inline constexpr double kHiddenCell_m = 2 * kCostmapResolution_m;
-// From the middle of such a cell: half of it, and what is wider above (m).
-inline constexpr double kHiddenMargin_m = kHiddenCell_m / 2 + kBodyWidening_m;
 // One look more than marks a cell clears it, however often it was hit.
 inline constexpr int kMaxHits = kMissWeight * (kHitsToMark + 1);
 // Of a picture that is a radian wide, as an Xtion's, two a cell where it is

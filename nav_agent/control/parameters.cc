@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_join.h"
 #include "nav_agent/control/driving_parameters.h"
-#include "nav_agent/control/hidden_parameters.h"
 #include "nav_agent/control/manoeuvre_parameters.h"
 #include "nav_agent/control/obstacle_parameters.h"
 #include "nav_agent/control/setting_parameters.h"
@@ -62,9 +61,8 @@ std::vector<base::ParameterRow> OfObstacles() {
       base::RowOf(kLegsApart_m),
       base::RowOf(kFittedScans),
       base::RowOf(kScansToBegin),
-      base::RowOf(kHiddenSize_m),
-      base::RowOf(kHiddenMemory_s),
-      base::RowOf(kLostArea_m2),
+      base::RowOf(kScansToEnd),
+      base::RowOf(kPositionUncertainty_mps),
       base::RowOf(kMaxWalkingSpeed_mps),
       base::RowOf(kPointMargin_m),
       base::RowOf(kLaserNoise_m),
@@ -74,6 +72,7 @@ std::vector<base::ParameterRow> OfObstacles() {
       base::RowOf(kYawBrakingShare),
       base::RowOf(kApproachSpeed_mps),
       base::RowOf(kBodyMargin_m),
+      base::RowOf(kLostMargin_m),
       base::RowOf(kOutwardSpeed_mps),
       ListRow(kGuardShares),
       base::RowOf(kSweepStep_m),
