@@ -16,6 +16,7 @@
 #include "nav_agent/behavior/operator_control.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/place_text.h"
+#include "nav_agent/behavior/room_to_move.h"
 #include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/behavior/scan_ends.h"
 #include "nav_agent/behavior/sensor_monitor.h"
@@ -358,14 +359,7 @@ core::VelocityCommand NavigatorOfParts::StepLost(
       .drives_straight = runner_.DrivesStraight(),
       .is_in_trouble = runner_.trouble() != core::NavigationCause::kNone};
   const bool was_active = parts_.lost->IsActive();
-  if (was_active) {
-    input.can_turn = parts_.controller->CanTurn(pose);
-    input.free_ahead_m = parts_.controller->FreeWay_m(pose, kMaxAskAhead_m);
-    if (parts_.controller->QuietFor_s(now_) >= kNobodyMovedFor_s) {
-      input.free_behind_m =
-          std::abs(parts_.controller->FreeWay_m(pose, -kBackUp_m));
-    }
-  }
+  if (was_active) NoteRoom(*parts_.controller, pose, input);
   const RelocalizationBehavior::Output output = parts_.lost->Step(input);
   for (RelocalizationNote& note : parts_.lost->TakeNotes()) {
     events_.Add(std::move(note.kind), std::move(note.text));
