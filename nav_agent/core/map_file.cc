@@ -125,7 +125,11 @@ absl::Status ReadRawValues(absl::string_view bytes, absl::string_view name,
 
 absl::StatusOr<MapSettings> ReadSettings(const yaml::YamlNode& yaml) {
   MapSettings settings;
-  for (std::string& key : yaml.Keys()) {
+  const std::vector<std::string> keys = yaml.Keys();
+  for (const std::string& key : keys) {
+    if (std::ranges::count(keys, key) > 1) {
+      return yaml.Error(absl::StrCat("'", key, "' stands there twice"));
+    }
     if (std::ranges::find(kKnownKeys, key) != std::end(kKnownKeys)) continue;
     const std::string nearest = base::NearestName(key, kKnownKeys);
     if (!nearest.empty()) {
@@ -133,7 +137,7 @@ absl::StatusOr<MapSettings> ReadSettings(const yaml::YamlNode& yaml) {
       return value.Error(absl::StrCat("unknown key '", key, "'; did you mean '",
                                       nearest, "'?"));
     }
-    settings.unknown_keys.push_back(std::move(key));
+    settings.unknown_keys.push_back(key);
   }
   TL_ASSIGN_OR_RETURN(settings.image, yaml.Text("image"));
   TL_ASSIGN_OR_RETURN(settings.resolution_m,

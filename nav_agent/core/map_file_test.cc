@@ -104,6 +104,9 @@ TEST_F(MapFileTest, SaysWhatIsWrong) {
               HasSubstr("m.yaml:4: negate"));
   EXPECT_THAT(error(WriteMapWith("resolutoin: 2\n")),
               HasSubstr("did you mean 'resolution'?"));
+  EXPECT_THAT(error(WriteMapWith("negate: 0\nnegate: 1\n")),
+              HasSubstr("'negate' stands there twice"));
+  EXPECT_THAT(error(Write("text.yaml", "no map\n")), HasSubstr("image"));
   EXPECT_THAT(error(WriteMapWith("occupied_thresh: 0.1\n")),
               HasSubstr("free_thresh, 0.196, is above occupied_thresh, 0.1"));
   EXPECT_THAT(error(Write("n.yaml", "image: none.pgm\nresolution: 0\n")),

@@ -1,22 +1,15 @@
 // The text files of recordings, as arbitrary bytes: no crash, and no pose that
 // is not rigid.
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 #include "absl/strings/string_view.h"
 #include "common/dataset/text_formats.h"
-#include "common/geometry/rigid3.h"
+#include "tests/fuzz/check_rigid.h"
 
 namespace treeline {
 namespace {
-
-void CheckRigid(const geometry::Rigid3& pose) {
-  const geometry::Rotation3& q = pose.rotation;
-  const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  if (!geometry::IsFinite(pose) || std::abs(norm - 1) > 1e-9) std::abort();
-}
 
 void ParseEveryWay(absl::string_view text) {
   if (const auto pose = dataset::ParsePoseMatrix(text, "fuzz"); pose.ok()) {

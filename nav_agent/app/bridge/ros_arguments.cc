@@ -6,7 +6,6 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
 #include "common/yaml/yaml_node.h"
 #include "nav_agent/app/bridge/bridge_config.h"
@@ -54,24 +53,14 @@ absl::StatusOr<std::vector<std::string>> Parameter(const std::string& rule) {
     return base::Annotate(UnknownParameter(settings, sides.first),
                           "--ros-args");
   }
-  std::vector<std::string> texts;
   TL_ASSIGN_OR_RETURN(
       const yaml::YamlNode line,
       yaml::YamlNode::Parse(absl::StrCat("value: ", sides.second),
                             "--ros-args: -p " + rule));
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode value, line.Get("value"));
-  if (value.IsSequence()) {
-    TL_ASSIGN_OR_RETURN(const std::vector<yaml::YamlNode> elements,
-                        value.Elements());
-    for (const yaml::YamlNode& element : elements) {
-      TL_ASSIGN_OR_RETURN(texts.emplace_back(), element.AsText());
-    }
-  } else {
-    TL_ASSIGN_OR_RETURN(texts.emplace_back(), value.AsText());
-  }
+  TL_ASSIGN_OR_RETURN(const std::string text, ParameterText(*setting, value));
   return std::vector<std::string>{
-      absl::StrCat(config::FlagName(*setting), "=",
-                   ParameterText(*setting, absl::StrJoin(texts, ",")))};
+      absl::StrCat(config::FlagName(*setting), "=", text)};
 }
 
 // The flags for one argument of ROS, and its value if it has one.

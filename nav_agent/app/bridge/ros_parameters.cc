@@ -1,5 +1,6 @@
 #include "nav_agent/app/bridge/ros_parameters.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <variant>
@@ -11,7 +12,6 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "common/base/status_macros.h"
-#include "common/yaml/yaml_node.h"
 
 namespace treeline::bridge_app {
 namespace {
@@ -22,6 +22,18 @@ constexpr int kMaxDepth = 16;
 
 bool IsTruth(const config::Setting& setting) {
   return std::holds_alternative<bool>(setting.default_value);
+}
+
+// All of YAML's words for true and false; others as they are.
+std::string TruthText(const std::string& scalar) {
+  const std::string word = absl::AsciiStrToLower(scalar);
+  for (const char* yes : {"true", "yes", "on", "y"}) {
+    if (word == yes) return "true";
+  }
+  for (const char* no : {"false", "no", "off", "n"}) {
+    if (word == no) return "false";
+  }
+  return scalar;
 }
 
 bool PartsMatch(std::span<const absl::string_view> pattern,
@@ -127,17 +139,7 @@ class ParameterReader {
       made_.notes.push_back(absl::StrCat(unknown.message(), " (left out)"));
       return absl::OkStatus();
     }
-    std::vector<std::string> texts;
-    if (value.IsSequence()) {
-      TL_ASSIGN_OR_RETURN(const std::vector<yaml::YamlNode> elements,
-                          value.Elements());
-      for (const yaml::YamlNode& element : elements) {
-        TL_ASSIGN_OR_RETURN(texts.emplace_back(), element.AsText());
-      }
-    } else {
-      TL_ASSIGN_OR_RETURN(texts.emplace_back(), value.AsText());
-    }
-    std::string text = ParameterText(*setting, absl::StrJoin(texts, ","));
+    TL_ASSIGN_OR_RETURN(std::string text, ParameterText(*setting, value));
     const absl::Status fits = config::ParseValue(*setting, text).status();
     if (!fits.ok()) return value.Error(fits.message());
     made_.values[name] = {.text = std::move(text),
@@ -157,17 +159,19 @@ class ParameterReader {
 
 }  // namespace
 
-std::string ParameterText(const config::Setting& setting,
-                          absl::string_view scalar) {
-  if (!IsTruth(setting)) return std::string(scalar);
-  const std::string word = absl::AsciiStrToLower(scalar);
-  for (const char* yes : {"true", "yes", "on", "y"}) {
-    if (word == yes) return "true";
+absl::StatusOr<std::string> ParameterText(const config::Setting& setting,
+                                          const yaml::YamlNode& value) {
+  if (!value.IsSequence()) {
+    TL_ASSIGN_OR_RETURN(const std::string scalar, value.AsText());
+    return IsTruth(setting) ? TruthText(scalar) : scalar;
   }
-  for (const char* no : {"false", "no", "off", "n"}) {
-    if (word == no) return "false";
+  TL_ASSIGN_OR_RETURN(const std::vector<yaml::YamlNode> elements,
+                      value.Elements());
+  std::vector<std::string> texts;
+  for (const yaml::YamlNode& element : elements) {
+    TL_ASSIGN_OR_RETURN(texts.emplace_back(), element.AsText());
   }
-  return std::string(scalar);
+  return absl::StrJoin(texts, ",");
 }
 
 absl::Status UnknownParameter(const std::vector<config::Setting>& settings,
@@ -180,16 +184,29 @@ absl::Status UnknownParameter(const std::vector<config::Setting>& settings,
 }
 
 bool IsMeantBy(absl::string_view pattern, absl::string_view node) {
-  return PartsMatch(PartsOf(pattern), PartsOf(node));
+  std::vector<absl::string_view> parts = PartsOf(pattern);
+  // Several in a row say no more than one, but each doubles what is tried.
+  const auto more =
+      std::ranges::unique(parts, [](absl::string_view a, absl::string_view b) {
+        return a == "**" && b == "**";
+      });
+  parts.erase(more.begin(), more.end());
+  return PartsMatch(parts, PartsOf(node));
+}
+
+absl::StatusOr<RosParameters> RosParametersOf(
+    const yaml::YamlNode& root, const std::string& path, absl::string_view node,
+    const std::vector<config::Setting>& settings) {
+  ParameterReader reader(path, node, settings);
+  TL_RETURN_IF_ERROR(reader.ReadNodes(root, "", 0));
+  return reader.Finish();
 }
 
 absl::StatusOr<RosParameters> ReadRosParameters(
     const std::string& path, absl::string_view node,
     const std::vector<config::Setting>& settings) {
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode root, yaml::YamlNode::Read(path));
-  ParameterReader reader(path, node, settings);
-  TL_RETURN_IF_ERROR(reader.ReadNodes(root, "", 0));
-  return reader.Finish();
+  return RosParametersOf(root, path, node, settings);
 }
 
 }  // namespace treeline::bridge_app

@@ -9,14 +9,16 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/config/setting.h"
+#include "common/yaml/yaml_node.h"
 
 namespace treeline::bridge_app {
 
-// The text that ParseValue takes for what a parameter's value, YAML in one line
-// or a node of a file, states: lists separated by commas, and of settings that
-// are true or false all of YAML's words for it.
-std::string ParameterText(const config::Setting& setting,
-                          absl::string_view scalar);
+// The text that ParseValue takes for what a parameter's value states: lists
+// separated by commas, and of settings that are true or false all of YAML's
+// words for it. INVALID_ARGUMENT for what is neither a value nor a list of
+// them.
+absl::StatusOr<std::string> ParameterText(const config::Setting& setting,
+                                          const yaml::YamlNode& value);
 
 // An error that names what was probably meant.
 absl::Status UnknownParameter(const std::vector<config::Setting>& settings,
@@ -48,6 +50,10 @@ struct RosParameters {
 // is no matter, but a file that has nothing for this one is noted.
 absl::StatusOr<RosParameters> ReadRosParameters(
     const std::string& path, absl::string_view node,
+    const std::vector<config::Setting>& settings);
+// The same of what is read already: `root` of the file at `path`.
+absl::StatusOr<RosParameters> RosParametersOf(
+    const yaml::YamlNode& root, const std::string& path, absl::string_view node,
     const std::vector<config::Setting>& settings);
 
 }  // namespace treeline::bridge_app

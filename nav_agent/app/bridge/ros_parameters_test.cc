@@ -50,6 +50,10 @@ TEST(IsMeantBy, NamesAndWildcardsAreThoseOfRos) {
                               "/*/*/treeline", "/robot1/treeline/*"}) {
     EXPECT_FALSE(meant(pattern)) << pattern;
   }
+  std::string many;
+  for (int i = 0; i < 200'000; ++i) many += "/**";
+  EXPECT_FALSE(meant(many + "/other"));
+  EXPECT_TRUE(meant(many));
 }
 
 TEST_F(RosParametersTest, TheLastSectionOfThisNodeCounts) {
