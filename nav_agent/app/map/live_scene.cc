@@ -35,7 +35,8 @@ constexpr double kEnd_rad = 0.002;
 constexpr auto kPoll = std::chrono::milliseconds(20);
 // For a learner that does not read: none while driving, then so long.
 constexpr std::chrono::milliseconds kEndPatience(1000);
-constexpr std::chrono::milliseconds kPatience(20'000);
+// Filling leaves again takes a fiftieth of that for each frame.
+constexpr std::chrono::milliseconds kPatiencePerFrame(100);
 // What has not been read by then never will be.
 constexpr size_t kMaxUnsentBytes = size_t{16} << 20;
 
@@ -90,11 +91,7 @@ LiveScene::LiveScene(const LiveSceneOptions& options)
 LiveScene::~LiveScene() {
   if (learner_ != nullptr && unsent_.empty()) {
     learner_->CloseInput();
-    for (auto waited = kPatience * 0;
-         waited < kPatience && !learner_->ExitCode().has_value();
-         waited += kPoll) {
-      std::this_thread::sleep_for(kPoll);
-    }
+    AwaitLearner(options_.patience, {});
   }
   std::error_code ignored;
   std::filesystem::remove_all(options_.folder, ignored);
@@ -292,13 +289,29 @@ void LiveScene::Finish(std::span<const dataset::TimedPose> map_from_base,
                        const std::stop_token& stop) {
   if (learner_ == nullptr || has_given_up_) return;
   CorrectBeyond(kEnd_m, kEnd_rad, map_from_base, base_from_camera);
-  SendAll(kPatience);
+  SendAll(options_.patience);
   if (has_given_up_) return;
   learner_->CloseInput();
+  if (!AwaitLearner(options_.patience + kPatiencePerFrame * frames_.size(),
+                    stop)) {
+    learner_.reset();
+    return GiveUp(absl::DeadlineExceededError(
+        "the learner has not written the model with the map's poses"));
+  }
   if (const absl::Status ended = learner_->Wait(stop); !ended.ok()) {
     return GiveUp(ended);
   }
   options_.say(learner_->Log());
+}
+
+bool LiveScene::AwaitLearner(std::chrono::milliseconds patience,
+                             const std::stop_token& stop) {
+  for (auto waited = patience * 0; waited < patience; waited += kPoll) {
+    if (learner_->ExitCode().has_value()) return true;
+    if (stop.stop_requested()) return false;
+    std::this_thread::sleep_for(kPoll);
+  }
+  return learner_->ExitCode().has_value();
 }
 
 }  // namespace treeline::map_app

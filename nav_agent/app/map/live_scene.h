@@ -43,6 +43,9 @@ struct LiveSceneOptions {
   // far, and at the end.
   double moved_m = 0.05;
   double moved_rad = 0.02;
+  // How long a learner is waited for at the end that does not read, or does not
+  // end: so long, and longer the more frames it has.
+  std::chrono::milliseconds patience = std::chrono::seconds(20);
   // Told once when learning ends early, and what the learner said at the end.
   std::function<void(const std::string& line)> say = [](const std::string&) {};
 
@@ -90,7 +93,7 @@ class LiveScene {
            const geometry::Rigid3& base_from_camera);
 
   // The map's own poses are there. Waits until the learner has written the
-  // model with them; `stop` ends it, and the model so far stays.
+  // model with them; `stop` or `patience` ends it, and the model so far stays.
   void Finish(std::span<const dataset::TimedPose> map_from_base,
               const geometry::Rigid3& base_from_camera,
               const std::stop_token& stop);
@@ -116,6 +119,9 @@ class LiveScene {
                      const geometry::Rigid3& base_from_camera);
   void Send();
   void SendAll(std::chrono::milliseconds patience);
+  // Whether it has ended.
+  bool AwaitLearner(std::chrono::milliseconds patience,
+                    const std::stop_token& stop);
   void GiveUp(const absl::Status& why);
 
   const LiveSceneOptions options_;

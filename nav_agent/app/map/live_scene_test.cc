@@ -158,6 +158,17 @@ TEST_F(LiveSceneTest, ADeafLearnerDelaysNothing) {
   EXPECT_EQ(scene->status().frames, 40);
 }
 
+TEST_F(LiveSceneTest, ALearnerThatNeverEndsIsGivenUp) {
+  UseScript("cat >/dev/null; exec sleep 600");
+  options_.patience = std::chrono::milliseconds(300);
+  auto scene = Create();
+  scene->Add(FrameAt(0.05), {});
+  scene->End(Straight(1), base_from_camera_);
+  scene->Finish(Straight(1), base_from_camera_, {});
+  EXPECT_THAT(said_, HasSubstr("has not written the model with the map's"));
+  EXPECT_THAT(said_, HasSubstr("the map is not concerned"));
+}
+
 TEST_F(LiveSceneTest, SaysWhatItNeeds) {
   UseScript("true");
   options_.folder = "my maps/learning";
