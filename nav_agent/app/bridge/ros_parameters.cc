@@ -186,11 +186,11 @@ absl::Status UnknownParameter(const std::vector<config::Setting>& settings,
 bool IsMeantBy(absl::string_view pattern, absl::string_view node) {
   std::vector<absl::string_view> parts = PartsOf(pattern);
   // Several in a row say no more than one, but each doubles what is tried.
-  const auto more =
-      std::ranges::unique(parts, [](absl::string_view a, absl::string_view b) {
-        return a == "**" && b == "**";
-      });
-  parts.erase(more.begin(), more.end());
+  parts.erase(std::unique(parts.begin(), parts.end(),
+                          [](absl::string_view x, absl::string_view y) {
+                            return x == "**" && y == "**";
+                          }),
+              parts.end());
   return PartsMatch(parts, PartsOf(node));
 }
 
