@@ -36,6 +36,12 @@ std::string TruthText(const std::string& scalar) {
   return scalar;
 }
 
+// What every node of ROS has, so that `ros2 param dump` writes it.
+bool IsOfAnyNode(absl::string_view name) {
+  return absl::StartsWith(name, "qos_overrides.") ||
+         name == "start_type_description_service";
+}
+
 bool PartsMatch(std::span<const absl::string_view> pattern,
                 std::span<const absl::string_view> name) {
   if (pattern.empty()) return name.empty();
@@ -135,7 +141,7 @@ class ParameterReader {
     if (setting == nullptr) {
       const absl::Status unknown =
           value.Error(UnknownParameter(settings_, name).message());
-      if (!is_for_several_) return unknown;
+      if (!is_for_several_ && !IsOfAnyNode(name)) return unknown;
       made_.notes.push_back(absl::StrCat(unknown.message(), " (left out)"));
       return absl::OkStatus();
     }

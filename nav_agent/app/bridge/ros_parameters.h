@@ -45,9 +45,10 @@ struct RosParameters {
 // What the file has for this node (its full name), the last of several counts
 // (https://design.ros2.org/articles/ros_command_line_arguments.html). Unknown
 // parameters in a section that has the node's name are INVALID_ARGUMENT; one
-// for several nodes may mean others, and a note says so. So are values that
-// their settings do not take, and what is no such file. What is for other nodes
-// is no matter, but a file that has nothing for this one is noted.
+// for several nodes may mean others, and a note says so, as it does of what
+// every node of ROS has. So are values that their settings do not take, and
+// what is no such file. What is for other nodes is no matter, but a file that
+// has nothing for this one is noted.
 absl::StatusOr<RosParameters> ReadRosParameters(
     const std::string& path, absl::string_view node,
     const std::vector<config::Setting>& settings);

@@ -100,6 +100,16 @@ TEST_F(RosParametersTest, WhatIsUnknownIsSaid) {
               HasSubstr(":3: there is no parameter 'scna'"));
 }
 
+TEST_F(RosParametersTest, WhatEveryNodeHasIsLeftOut) {
+  const auto read = Read(
+      "/robot1/treeline:\n  ros__parameters:\n    scene: house\n"
+      "    start_type_description_service: true\n"
+      "    qos_overrides: {/tf: {publisher: {depth: 1}}}\n");
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->values.at("scene").text, "house");
+  EXPECT_EQ(read->notes.size(), 2U);
+}
+
 TEST_F(RosParametersTest, AFileForOthersIsNoted) {
   const auto read = Read(
       "treeline:\n  ros__parameters: {scan: a}\n"
