@@ -23,7 +23,8 @@ struct Candidate {
   int samples = 0;
   // They are features matched with keyframes, not predictions of a forest.
   bool is_matched = false;
-  // What matched features say of the focal length that the query states.
+  // What it was sought with says of the focal length that the query states:
+  // matched features, or measured points of the colour camera.
   std::optional<pose::FocalEstimate> focal;
   // Of the features that support the pose, the share that is like nothing
   // elsewhere in the scene, in [0, 1]; see CountDistinct.

@@ -58,4 +58,12 @@ std::optional<pose::RefinedPose> DepthPointSource::Refine(
   return pose::RefinePoints(seen.scene, world_from_camera, {});
 }
 
+std::optional<pose::FocalEstimate> DepthPointSource::Focal(
+    Query& query, const PointObservations& seen,
+    const pose::RefinedPose& pose) const {
+  const camera::RgbdCalibration& calibration = query.calibration();
+  if (!(calibration.depth == calibration.color)) return std::nullopt;
+  return pose::EstimateFocal(seen.scene, pose.world_from_camera);
+}
+
 }  // namespace treeline::localizer

@@ -30,6 +30,10 @@ class DepthPointSource {
   std::optional<pose::RefinedPose> Refine(
       Query& query, const PointObservations& seen,
       const geometry::Rigid3& world_from_camera) const;
+  // nullopt, too, where another camera measures than that of the picture.
+  std::optional<pose::FocalEstimate> Focal(Query& query,
+                                           const PointObservations& seen,
+                                           const pose::RefinedPose& pose) const;
   std::vector<Correspondence> Explain(
       const PointObservations& seen,
       const std::optional<pose::RefinedPose>& pose) const {

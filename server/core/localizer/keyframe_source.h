@@ -45,6 +45,12 @@ class KeyframeSource {
   std::optional<pose::RefinedPose> Refine(
       Query& query, const KeyframeObservations& seen,
       const geometry::Rigid3& world_from_camera) const;
+  std::optional<pose::FocalEstimate> Focal(
+      Query& query, const KeyframeObservations& seen,
+      const pose::RefinedPose& pose) const {
+    return pose::EstimateFocal(seen.scene, pose.world_from_camera,
+                               RobustScale(query));
+  }
   static double RobustScale(const Query& query) {
     return kKeyframeRobustScale_px * query.pixel();
   }

@@ -46,6 +46,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMinFocalError),
           base::RowOf(kMinFocalSigmas),
           base::RowOf(kSureFocalSigmas),
+          base::RowOf(kDoubtfulPointFocalSigmas),
+          base::RowOf(kMinFusedFocalSigmas),
           base::RowOf(kUnsureFocalOdds),
           base::RowOf(kMinGuessedFocalSigmas),
           base::RowOf(kClearFocalSigmas),

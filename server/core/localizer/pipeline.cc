@@ -15,10 +15,6 @@
 namespace treeline::localizer {
 namespace {
 
-double LogError(const pose::FocalEstimate& focal) {
-  return std::abs(std::log(focal.scale));
-}
-
 // The candidates that were proposed, and the best of those verified.
 class Search {
  public:
@@ -101,23 +97,34 @@ class Search {
                ? 1
                : measured->scale;
   }
-  // Of the pose that most matched features support. Few of them are no reason
-  // to doubt a focal length that is no guess.
-  std::optional<pose::FocalEstimate> Focal() const {
+  // Few features are no reason to doubt a focal length that is no guess.
+  FocalEvidence Focal() const {
+    FocalEvidence evidence;
     const Candidate* most = nullptr;
     for (const Candidate& candidate : candidates_) {
       if (!candidate.focal) continue;
+      if (!candidate.is_matched) {
+        evidence.points = candidate.focal;
+        continue;
+      }
       if (most && candidate.pose->inliers <= most->pose->inliers) continue;
       most = &candidate;
     }
-    if (!most || (!query_.is_focal_doubtful() &&
-                  most->pose->inliers < kSufficientMatches)) {
-      return std::nullopt;
+    if (most && (query_.is_focal_doubtful() ||
+                 most->pose->inliers >= kSufficientMatches)) {
+      evidence.features = most->focal;
     }
-    return most->focal;
+    return evidence;
+  }
+  // Whether features have to tell of the focal length, and have not yet.
+  bool DoubtsFocal() const {
+    const FocalEvidence focal = Focal();
+    return !focal.features &&
+           (query_.is_focal_doubtful() ||
+            (focal.points && localizer::DoubtsFocal(*focal.points)));
   }
   Selection Take() && {
-    const std::optional<pose::FocalEstimate> focal = Focal();
+    const FocalEvidence focal = Focal();
     if (PictureContradicts()) {
       verdict_->reason = NotLocalizedReason::kContradictsDepth;
     }
@@ -158,11 +165,11 @@ class Search {
 
 // With a focal length that is wrong, depth that is right would seem to be
 // wrong.
-bool IsFocalKnown(const Query& query,
-                  const std::optional<pose::FocalEstimate>& focal) {
+bool IsFocalKnown(const Query& query, const FocalEvidence& focal) {
   if (!query.is_focal_doubtful()) return true;
-  return focal && focal->sigma <= kMaxKnownFocalSigma &&
-         !OtherFocal(focal, kMinGuessedFocalSigmas);
+  return focal.features && focal.features->sigma <= kMaxKnownFocalSigma &&
+         !FocalDoubt(/*may_be_guessed=*/true, /*sigma_scale=*/1)
+              .Other({focal.features, std::nullopt});
 }
 
 // Depth that is registered to colour has the same camera.
@@ -211,33 +218,6 @@ absl::StatusOr<Selection> SelectWithAnyDepth(const Method& method, Query& query,
 
 }  // namespace
 
-std::optional<double> OtherFocal(
-    const std::optional<pose::FocalEstimate>& focal, double min_sigmas) {
-  if (!focal) return std::nullopt;
-  const double error = LogError(*focal);
-  if (error < kMinFocalError || error < min_sigmas * focal->sigma) {
-    return std::nullopt;
-  }
-  return focal->scale;
-}
-
-FocalDoubt::FocalDoubt(bool may_be_guessed, double sigma_scale)
-    : may_be_guessed_(may_be_guessed),
-      sure_sigmas_(
-          std::max<double>(kSureFocalSigmas, kMinFocalSigmas * sigma_scale)) {}
-
-double FocalDoubt::min_sigmas() const {
-  return may_be_guessed_ ? kMinGuessedFocalSigmas : kMinFocalSigmas;
-}
-
-double FocalDoubt::NeededOdds(const pose::FocalEstimate& focal) const {
-  const double sigmas = LogError(focal) / focal.sigma;
-  if (may_be_guessed_) {
-    return sigmas < kClearFocalSigmas ? 1 : kClearFocalOdds.value;
-  }
-  return sigmas < sure_sigmas_ ? kUnsureFocalOdds.value : 1;
-}
-
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   Search search(*method.verifier, query);
   bool needs_fallback = true;
@@ -256,7 +236,7 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
     }
     const bool is_satisfied =
         search.IsSatisfied(method.sufficient_confidence) && !doubts_depth &&
-        (!query.is_focal_doubtful() || search.Focal().has_value());
+        !search.DoubtsFocal();
     if (step.is_shortcut) {
       if (is_satisfied && search.LastIsBelieved()) {
         return std::move(search).Take();
@@ -288,24 +268,23 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
   TL_ASSIGN_OR_RETURN(
       Selection best,
       SelectWithAnyDepth(method, query, corrections.depth_scale));
-  if (best.focal && best.focal->sigma > 0) {
-    corrections.focal_error_sigmas = LogError(*best.focal) / best.focal->sigma;
+  if (best.focal.features && best.focal.features->sigma > 0) {
+    corrections.focal_error_sigmas = ErrorSigmas(*best.focal.features);
   }
   const FocalDoubt doubt(query.is_focal_doubtful(), method.focal_sigma_scale);
   const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
   for (int round = 0; round < rounds; ++round) {
-    const std::optional<double> other =
-        OtherFocal(best.focal, doubt.min_sigmas());
+    const std::optional<OtherFocal> other = doubt.Other(best.focal);
     if (!best.verdict || !other) break;
     Corrections tried = corrections;
-    tried.focal_scale *= *other;
+    tried.focal_scale *= other->scale;
     TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
-                        WithFocal(query.calibration(), *other));
+                        WithFocal(query.calibration(), other->scale));
     query.set_calibration(std::move(corrected));
     TL_ASSIGN_OR_RETURN(Selection selection,
                         SelectWithAnyDepth(method, query, tried.depth_scale));
-    if (!selection.verdict || !MayReplace(*selection.verdict, *best.verdict,
-                                          doubt.NeededOdds(*best.focal))) {
+    if (!selection.verdict ||
+        !MayReplace(*selection.verdict, *best.verdict, other->needed_odds)) {
       break;
     }
     best = std::move(selection);

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/candidate.h"
+#include "server/core/localizer/focal_doubt.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/localizer/pool.h"
 #include "server/core/localizer/pose_verifier.h"
@@ -47,18 +48,11 @@ struct Method {
 struct Selection {
   Candidate candidate;
   std::optional<Verdict> verdict;  // nullopt: it has no pose
-  // Of the candidate that most matched features support, this one or another.
-  std::optional<pose::FocalEstimate> focal;
+  FocalEvidence focal;             // of all candidates
   // So many times, depth is what is seen: the search ended for it. nullopt: it
   // may well be right as it is.
   std::optional<double> depth_scale;
 };
-
-// The focal length that matched features speak for, in stated ones; nullopt: it
-// may well be the stated one, from which theirs is less than `min_sigmas` of
-// its own standard deviations.
-std::optional<double> OtherFocal(
-    const std::optional<pose::FocalEstimate>& focal, double min_sigmas);
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
@@ -77,25 +71,8 @@ struct Corrections {
   double focal_error_sigmas = 0;
 };
 
-// How much it takes to give up the focal length that a query states.
-class FocalDoubt {
- public:
-  // One that may be a guess is given up for little; of one that is known, see
-  // ConfidenceModel for `sigma_scale`.
-  FocalDoubt(bool may_be_guessed, double sigma_scale);
-  // By how many of their standard deviations features want another one.
-  double min_sigmas() const;
-  // How many times the odds of the answer with the stated one those with that
-  // of the features have to be.
-  double NeededOdds(const pose::FocalEstimate& focal) const;
-
- private:
-  const bool may_be_guessed_;
-  const double sure_sigmas_;
-};
-
-// As SelectCandidate, and asks again with the focal length that the features
-// speak for, as long as that answer is good enough (FocalDoubt). Likewise with
+// As SelectCandidate, and asks again with the focal length that is spoken for,
+// as long as that answer is good enough (FocalDoubt). Likewise with
 // another scale of depth. `corrections` become the selection's, and `query` has
 // the cameras that were tried last.
 absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,

@@ -190,18 +190,6 @@ TEST_F(ScaledDepthTest, ItIsNoQuestionOnceItIsSettled) {
   EXPECT_EQ(features_[0]->times, 0);
 }
 
-TEST(OtherFocalTest, IsOneThatTheStatedOneIsFarFrom) {
-  const pose::FocalEstimate longer{.scale = 1.05, .sigma = 0.01};
-  EXPECT_EQ(OtherFocal(longer, 4), 1.05);
-  EXPECT_EQ(OtherFocal(longer, 5.2), std::nullopt);
-  const pose::FocalEstimate shorter{.scale = 1 / 1.05, .sigma = 0.01};
-  EXPECT_EQ(OtherFocal(shorter, 4), shorter.scale);
-  // However well it is known.
-  EXPECT_EQ(OtherFocal(pose::FocalEstimate{.scale = 1.01, .sigma = 1e-4}, 4),
-            std::nullopt);
-  EXPECT_EQ(OtherFocal(std::nullopt, 1.5), std::nullopt);
-}
-
 TEST_F(ScaledDepthTest, AFocalLengthThatMayBeGuessedIsSettledFirst) {
   is_focal_doubtful_ = true;
   depth_ = {.scale = 1.05, .sigma = 0.004, .points = 300, .agreement = 0.9};
@@ -275,9 +263,9 @@ class OtherFocalAnswerTest : public testing::Test {
   bool is_doubtful_ = false;
 };
 
-TEST_F(OtherFocalAnswerTest, IsTakenIfItIsBetter) {
-  EXPECT_NEAR(FocalScale(0.82), 1.05, 1e-9);
-  EXPECT_EQ(FocalScale(0.79), 1);
+TEST_F(OtherFocalAnswerTest, IsTakenUnlessItIsWorse) {
+  EXPECT_NEAR(FocalScale(0.7), 1.05, 1e-9);
+  EXPECT_EQ(FocalScale(0.6), 1);
 }
 
 TEST_F(OtherFocalAnswerTest, HasToBeMuchBetterWhereFeaturesAreNotVerySure) {
@@ -525,6 +513,7 @@ TEST_F(SelectCandidateTest, ADoubtfulFocalLengthIsLookedAtWithFeatures) {
   method_.sufficient_confidence = 0.9;
   AddStep(Pose(1));
   Candidate matched = Pose(2);
+  matched.is_matched = true;
   matched.focal = pose::FocalEstimate{.scale = 0.95, .sigma = 0.01};
   AddStep(matched);
   Asked& after = AddStep(Pose(3));
@@ -532,9 +521,32 @@ TEST_F(SelectCandidateTest, ADoubtfulFocalLengthIsLookedAtWithFeatures) {
   const auto selection = Select({{1, Believed(0.99)}, {2, Believed(0.95)}});
   ASSERT_TRUE(selection.ok()) << selection.status();
   EXPECT_EQ(selection->candidate.pose->inliers, 1);
-  ASSERT_TRUE(selection->focal.has_value());
-  EXPECT_EQ(selection->focal->scale, 0.95);
+  ASSERT_TRUE(selection->focal.features.has_value());
+  EXPECT_EQ(selection->focal.features->scale, 0.95);
   EXPECT_EQ(after.times, 0);
+}
+
+TEST_F(SelectCandidateTest, OneThatMeasuredPointsDoubtIsLookedAtWithFeatures) {
+  method_.sufficient_confidence = 0.9;
+  Candidate measured = Pose(1);
+  for (const auto& [scale, asked] : {std::pair{1.03, 0}, {1.06, 1}}) {
+    method_.steps.clear();
+    measured.focal = pose::FocalEstimate{.scale = scale, .sigma = 0.015};
+    AddStep(measured);
+    Candidate matched = Pose(200);
+    matched.is_matched = true;
+    matched.focal = pose::FocalEstimate{.scale = 1, .sigma = 0.01};
+    const Asked& features = AddStep(matched);
+    const Asked& after = AddStep(Pose(3));
+    const auto selection = Select({{1, Believed(0.99)}, {200, Believed(0.95)}});
+    ASSERT_TRUE(selection.ok()) << selection.status();
+    EXPECT_EQ(selection->candidate.pose->inliers, 1);
+    EXPECT_EQ(features.times, asked) << scale;
+    EXPECT_EQ(after.times, 0);
+    ASSERT_TRUE(selection->focal.points.has_value());
+    EXPECT_EQ(selection->focal.points->scale, scale);
+    EXPECT_EQ(selection->focal.features.has_value(), asked == 1);
+  }
 }
 
 TEST_F(SelectCandidateTest, AnErrorOfAGeneratorIsTheQuerys) {

@@ -66,9 +66,9 @@ std::vector<Correspondence> MatchesOf(
 //                  all; nothing is appended where those are too few.
 //   Solver         What RANSAC works with.
 //   Refine         Stage "refine".
-//   RobustScale    Of Refine (units of the ray), if kIsMatched.
 //   Explain        The correspondences.
-//   DistinctShare  See Candidate::distinct. May be left out.
+//   Focal          See Candidate::focal. May be left out, as may
+//   DistinctShare  See Candidate::distinct.
 template <typename S>
 concept PoseSource = requires(const S& source, Query& query,
                               std::span<const Candidate> earlier,
@@ -116,15 +116,13 @@ class SourceGenerator final : public CandidateGenerator {
     if (candidate.pose && candidate.pose->inliers < Source::kMinInliers) {
       candidate.pose.reset();
     }
-    if constexpr (Source::kIsMatched) {
-      if (candidate.pose) {
-        candidate.focal =
-            pose::EstimateFocal(seen.scene, candidate.pose->world_from_camera,
-                                Source::RobustScale(query));
-        if constexpr (requires { &Source::DistinctShare; }) {
-          candidate.distinct =
-              source_.DistinctShare(query, seen, *candidate.pose);
-        }
+    if (candidate.pose) {
+      if constexpr (requires { &Source::Focal; }) {
+        candidate.focal = source_.Focal(query, seen, *candidate.pose);
+      }
+      if constexpr (requires { &Source::DistinctShare; }) {
+        candidate.distinct =
+            source_.DistinctShare(query, seen, *candidate.pose);
       }
     }
     if (query.options().keep_correspondences) {

@@ -6,74 +6,230 @@
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 #include "server/core/pose/parameters.h"
+#include "server/core/pose/point_refinement.h"
 #include "server/core/pose/reprojection.h"
+#include "server/core/pose/robust_refinement.h"
 
 namespace treeline::pose {
 namespace {
 
-using Matrix2x7 = Eigen::Matrix<double, 2, 7>;
-using Matrix7 = Eigen::Matrix<double, 7, 7>;
-using Vector7 = Eigen::Matrix<double, 7, 1>;
+// What is sought. A step of it is (v, w, ...): of a point p in the camera
+// v + w x p, and then of the logarithms.
+struct Unknowns {
+  geometry::Rigid3 camera_from_world;
+  double log_focal = 0;
+  double log_depth = 0;  // the true depth by the stated one
+};
+constexpr int kFocalIndex = 6;
+constexpr int kDepthIndex = 7;
 
-// Normal equations of a step of the pose (as in RefineRays, but in the camera's
-// frame) and of log(scale).
+template <int kUnknowns>
+using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+template <int kUnknowns>
+using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+// Normal equations of a step.
+template <int kUnknowns>
 struct Sum {
-  Matrix7 hessian = Matrix7::Zero();
-  Vector7 gradient = Vector7::Zero();
+  Matrix<kUnknowns> hessian = Matrix<kUnknowns>::Zero();
+  Vector<kUnknowns> gradient = Vector<kUnknowns>::Zero();
   double value = 0;
   double weights = 0;
 };
 
-// The point's image under the sought focal length, in units of the rays, and
-// its derivatives by a step (v, w) of the point in the camera, p + v + w x p,
-// and by log(scale).
-Matrix2x7 Derivatives(geometry::Vec3 p, double scale) {
-  const double iz = 1 / p.z;
-  const double x = p.x * iz;
-  const double y = p.y * iz;
-  Matrix2x7 j;
-  j << iz, 0, -x * iz, -x * y, 1 + x * x, -y, x,  //
-      0, iz, -y * iz, -1 - y * y, x * y, x, y;
-  return scale * j;
+// Geman-McClure's weight of a squared distance, in [0, 1].
+double RobustWeight(double squared, double robust_scale) {
+  const double root =
+      robust_scale * robust_scale / (robust_scale * robust_scale + squared);
+  return root * root;
 }
 
-Sum SumAt(const RayPredictions& scene,
-          const geometry::Rigid3& camera_from_world, double scale,
-          double robust_scale) {
-  const CameraFromWorld to_camera(camera_from_world);
-  const double reach2 =
-      kRobustReach * kRobustReach * robust_scale * robust_scale;
-  Sum sum;
-  for (size_t i = 0; i < scene.size(); ++i) {
-    const geometry::Vec3 p = to_camera * scene.at(i, 0).mean_in_world;
-    if (p.z < kMinPointDepth) continue;
-    const Eigen::Vector2d residual{scale * p.x / p.z - scene.ray[i].x,
-                                   scale * p.y / p.z - scene.ray[i].y};
-    const double squared = residual.squaredNorm();
-    if (!(squared <= reach2)) continue;
-    const double root =
-        robust_scale * robust_scale / (robust_scale * robust_scale + squared);
-    // The prediction's spread, as if it were the same in all directions.
-    const double spread = scene.at(i, 0).covariance[0] / (p.z * p.z);
-    const double weight =
-        root * root /
-        (scene.ray_sigma[i] * scene.ray_sigma[i] + scale * scale * spread);
-    const Matrix2x7 j = Derivatives(p, scale);
-    sum.hessian.noalias() += weight * j.transpose() * j;
-    sum.gradient.noalias() += weight * j.transpose() * residual;
-    sum.value += weight * squared;
-    sum.weights += root * root;
+double SquaredReach(double robust_scale) {
+  return kRobustReach * kRobustReach * robust_scale * robust_scale;
+}
+
+// Reprojection errors.
+class RayResiduals {
+ public:
+  static constexpr int kUnknowns = 7;
+  static constexpr int kOfOne = 2;
+
+  explicit RayResiduals(const RayPredictions& scene) : scene_(scene) {}
+
+  Sum<kUnknowns> SumAt(const Unknowns& at, double robust_scale) const {
+    const CameraFromWorld to_camera(at.camera_from_world);
+    const double scale = std::exp(at.log_focal);
+    Sum<kUnknowns> sum;
+    for (size_t i = 0; i < scene_.size(); ++i) {
+      const geometry::Vec3 p = to_camera * scene_.at(i, 0).mean_in_world;
+      if (p.z < kMinPointDepth) continue;
+      const Eigen::Vector2d residual{scale * p.x / p.z - scene_.ray[i].x,
+                                     scale * p.y / p.z - scene_.ray[i].y};
+      const double squared = residual.squaredNorm();
+      if (!(squared <= SquaredReach(robust_scale))) continue;
+      const double robust = RobustWeight(squared, robust_scale);
+      // The prediction's spread, as if it were the same in all directions.
+      const double spread = scene_.at(i, 0).covariance[0] / (p.z * p.z);
+      const double weight =
+          robust /
+          (scene_.ray_sigma[i] * scene_.ray_sigma[i] + scale * scale * spread);
+      const Derivatives j = DerivativesAt(p, scale);
+      sum.hessian.noalias() += weight * j.transpose() * j;
+      sum.gradient.noalias() += weight * j.transpose() * residual;
+      sum.value += weight * squared;
+      sum.weights += robust;
+    }
+    return sum;
   }
-  return sum;
-}
 
-geometry::Rigid3 Moved(const geometry::Rigid3& camera_from_world,
-                       const Vector7& step) {
+ private:
+  using Derivatives = Eigen::Matrix<double, kOfOne, kUnknowns>;
+
+  // Of the point's image under the sought focal length, in units of the rays.
+  static Derivatives DerivativesAt(geometry::Vec3 p, double scale) {
+    const double iz = 1 / p.z;
+    const double x = p.x * iz;
+    const double y = p.y * iz;
+    Derivatives j;
+    j << iz, 0, -x * iz, -x * y, 1 + x * x, -y, x,  //
+        0, iz, -y * iz, -1 - y * y, x * y, x, y;
+    return scale * j;
+  }
+
+  const RayPredictions& scene_;
+};
+
+// Distances in space of measured points and their nearest predictions.
+class PointResiduals {
+ public:
+  static constexpr int kUnknowns = 8;
+  static constexpr int kOfOne = 3;
+
+  explicit PointResiduals(const PointPredictions& scene) : scene_(scene) {}
+
+  Sum<kUnknowns> SumAt(const Unknowns& at, double robust_scale) const {
+    const CameraFromWorld to_camera(at.camera_from_world);
+    const CameraFromWorld to_world(at.camera_from_world.Inverse());
+    const double depth = std::exp(at.log_depth);
+    const double across = depth * std::exp(-at.log_focal);
+    Sum<kUnknowns> sum;
+    for (size_t i = 0; i < scene_.size(); ++i) {
+      const geometry::Vec3 stated = scene_.point_in_camera[i];
+      const geometry::Vec3 x{across * stated.x, across * stated.y,
+                             depth * stated.z};
+      const geometry::Vec3 in_world = to_world * x;
+      const NearestPrediction nearest =
+          NearestOf(scene_.per_sample, [&](int k) {
+            return geometry::SquaredNorm(in_world -
+                                         scene_.at(i, k).mean_in_world);
+          });
+      if (!(nearest.squared_distance <= SquaredReach(robust_scale))) continue;
+      const ScenePrediction& prediction = scene_.at(i, nearest.k);
+      const geometry::Vec3 p = to_camera * prediction.mean_in_world;
+      const Eigen::Vector3d measured{x.x, x.y, x.z};
+      const Eigen::Vector3d residual =
+          Eigen::Vector3d{p.x, p.y, p.z} - measured;
+      const double robust =
+          RobustWeight(nearest.squared_distance, robust_scale);
+      const Eigen::Matrix3d information =
+          robust * Information(prediction, measured, scene_.depth_sigma_m[i]);
+      const Derivatives j = DerivativesAt(p, measured);
+      const Derivatives weighted = information * j;
+      sum.hessian.noalias() += j.transpose() * weighted;
+      sum.gradient.noalias() += weighted.transpose() * residual;
+      sum.value += residual.dot(information * residual);
+      sum.weights += robust;
+    }
+    const double prior = 1 / (kDepthScaleSigma * kDepthScaleSigma);
+    sum.hessian(kDepthIndex, kDepthIndex) += prior;
+    sum.gradient[kDepthIndex] += prior * at.log_depth;
+    return sum;
+  }
+
+ private:
+  using Derivatives = Eigen::Matrix<double, kOfOne, kUnknowns>;
+
+  // Of the prediction less the measured point.
+  static Derivatives DerivativesAt(geometry::Vec3 p,
+                                   const Eigen::Vector3d& measured) {
+    Derivatives j;
+    j << 1, 0, 0, 0, p.z, -p.y, measured.x(), -measured.x(),  //
+        0, 1, 0, -p.z, 0, p.x, measured.y(), -measured.y(),   //
+        0, 0, 1, p.y, -p.x, 0, 0, -measured.z();
+    return j;
+  }
+
+  // (s^2 I + d^2 v v^T)^-1: the prediction's spread s, as if it were the same
+  // in all directions, and the depth noise d along the viewing ray v.
+  static Eigen::Matrix3d Information(const ScenePrediction& prediction,
+                                     const Eigen::Vector3d& measured,
+                                     double depth_sigma_m) {
+    const double model = PointRefinementOptions{}.model_sigma_m;
+    const double spread = (prediction.covariance[0] + prediction.covariance[3] +
+                           prediction.covariance[5]) /
+                              3 +
+                          model * model;
+    const double along = depth_sigma_m * depth_sigma_m;
+    return (Eigen::Matrix3d::Identity() -
+            measured * measured.transpose() *
+                (along / ((spread + along) * measured.squaredNorm()))) /
+           spread;
+  }
+
+  const PointPredictions& scene_;
+};
+
+// False: no sensible step.
+template <int kUnknowns>
+bool Move(const Vector<kUnknowns>& step, Unknowns& at) {
   const geometry::Rotation3 turn =
       geometry::Rotation3::FromAxisAngle({step[3], step[4], step[5]});
-  return {geometry::Normalized(turn * camera_from_world.rotation),
-          turn * camera_from_world.translation +
-              geometry::Vec3{step[0], step[1], step[2]}};
+  at.camera_from_world = {
+      geometry::Normalized(turn * at.camera_from_world.rotation),
+      turn * at.camera_from_world.translation +
+          geometry::Vec3{step[0], step[1], step[2]}};
+  at.log_focal += step[kFocalIndex];
+  if constexpr (kUnknowns > kDepthIndex) at.log_depth += step[kDepthIndex];
+  return geometry::IsFinite(at.camera_from_world) &&
+         std::isfinite(at.log_depth) &&
+         std::abs(at.log_focal) < kMaxLogFocalScale;
+}
+
+// The robust scale starts `initial_scale` times as large and shrinks.
+struct Descent {
+  int iterations = 1;
+  double robust_scale = 1;
+  double initial_scale = 1;
+  double min_rcond = 0;
+};
+
+template <typename Residuals>
+std::optional<FocalEstimate> Minimize(const Residuals& residuals,
+                                      const geometry::Rigid3& world_from_camera,
+                                      const Descent& descent) {
+  constexpr int kUnknowns = Residuals::kUnknowns;
+  Unknowns at{.camera_from_world = world_from_camera.Inverse()};
+  double variance = 0;
+  for (int i = 0; i < descent.iterations; ++i) {
+    const double progress = std::min(1.0, 2.0 * i / descent.iterations);
+    const Sum<kUnknowns> sum =
+        residuals.SumAt(at, descent.robust_scale *
+                                std::pow(descent.initial_scale, 1 - progress));
+    if (sum.weights < kMinRobustWeights) return std::nullopt;
+    const Eigen::LDLT<Matrix<kUnknowns>> factors(sum.hessian);
+    if (factors.info() != Eigen::Success ||
+        !(factors.rcond() > descent.min_rcond)) {
+      return std::nullopt;
+    }
+    const Vector<kUnknowns> step = -factors.solve(sum.gradient);
+    if (!Move<kUnknowns>(step, at)) return std::nullopt;
+    const double degrees =
+        std::max(1.0, Residuals::kOfOne * sum.weights - kUnknowns);
+    variance =
+        factors.solve(Vector<kUnknowns>::Unit(kFocalIndex))[kFocalIndex] *
+        std::max(1.0, sum.value / degrees);
+  }
+  return FocalEstimate{std::exp(at.log_focal), std::sqrt(variance)};
 }
 
 }  // namespace
@@ -81,32 +237,23 @@ geometry::Rigid3 Moved(const geometry::Rigid3& camera_from_world,
 std::optional<FocalEstimate> EstimateFocal(
     const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
     double robust_scale) {
-  geometry::Rigid3 camera_from_world = world_from_camera.Inverse();
-  double log_scale = 0;
-  for (int i = 0; i < kFocalIterations; ++i) {
-    const double progress = std::min(1.0, 2.0 * i / kFocalIterations);
-    const double width =
-        robust_scale * std::pow(kInitialFocalRobustScale.value, 1 - progress);
-    const Sum sum = SumAt(scene, camera_from_world, std::exp(log_scale), width);
-    if (sum.weights < kMinRobustWeights) return std::nullopt;
-    const Eigen::LDLT<Matrix7> factors(sum.hessian);
-    if (factors.info() != Eigen::Success || !(factors.rcond() > kMinRayRcond)) {
-      return std::nullopt;
-    }
-    const Vector7 step = -factors.solve(sum.gradient);
-    camera_from_world = Moved(camera_from_world, step);
-    log_scale += step[6];
-    if (!geometry::IsFinite(camera_from_world) ||
-        !(std::abs(log_scale) < kMaxLogFocalScale)) {
-      return std::nullopt;
-    }
-    if (i + 1 < kFocalIterations) continue;
-    const double degrees = std::max(1.0, 2 * sum.weights - 7);
-    const double variance =
-        factors.solve(Vector7::Unit(6))[6] * std::max(1.0, sum.value / degrees);
-    return FocalEstimate{std::exp(log_scale), std::sqrt(variance)};
-  }
-  return std::nullopt;
+  return Minimize(RayResiduals(scene), world_from_camera,
+                  {.iterations = kFocalIterations,
+                   .robust_scale = robust_scale,
+                   .initial_scale = kInitialFocalRobustScale,
+                   .min_rcond = kMinRayRcond});
+}
+
+std::optional<FocalEstimate> EstimateFocal(
+    const PointPredictions& scene, const geometry::Rigid3& world_from_camera) {
+  std::optional<FocalEstimate> estimate =
+      Minimize(PointResiduals(scene), world_from_camera,
+               {.iterations = kPointFocalIterations,
+                .robust_scale = PointRefinementOptions{}.robust_scale_m,
+                .initial_scale = kInitialPointFocalRobustScale,
+                .min_rcond = kMinPointRcond});
+  if (estimate) estimate->sigma = std::hypot(estimate->sigma, kPointFocalBias);
+  return estimate;
 }
 
 }  // namespace treeline::pose

@@ -1,4 +1,4 @@
-// Whether rays were made with the right focal length.
+// Whether rays, or measured points, were made with the right focal length.
 #ifndef SERVER_CORE_POSE_FOCAL_ESTIMATE_H_
 #define SERVER_CORE_POSE_FOCAL_ESTIMATE_H_
 
@@ -9,7 +9,7 @@
 
 namespace treeline::pose {
 
-// The true focal length is `scale` times that of the rays.
+// The true focal length is `scale` times the stated one.
 struct FocalEstimate {
   double scale = 1;
   // Standard deviation of log(scale).
@@ -24,6 +24,13 @@ struct FocalEstimate {
 std::optional<FocalEstimate> EstimateFocal(
     const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
     double robust_scale);
+
+// Of points that the same camera measured, so that a wrong focal length
+// stretches them across its axis: minimises the robust sum of squared distances
+// between them and their nearest predictions over the pose, the focal length
+// and the scale of depth at once. That scale is 1 but for kDepthScaleSigma.
+std::optional<FocalEstimate> EstimateFocal(
+    const PointPredictions& scene, const geometry::Rigid3& world_from_camera);
 
 }  // namespace treeline::pose
 

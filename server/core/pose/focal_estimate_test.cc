@@ -71,5 +71,59 @@ TEST(FocalEstimate, AWallInFrontSaysNothing) {
   EXPECT_TRUE(!estimate || estimate->sigma > 0.02) << estimate->sigma;
 }
 
+// The same points, measured by a depth camera whose true focal length is
+// `scale` times the stated one, and whose true depth is `depth_scale` times
+// what it measures; of every `outlier_every` one the prediction is anywhere.
+PointPredictions Measured(double scale, double depth_scale, double noise_m,
+                          int outlier_every = 0) {
+  base::Random random(11, 1);
+  PointPredictions scene;
+  for (int i = 0; i < 200; ++i) {
+    const double z = random.NextUniform(1, 3);
+    const geometry::Vec3 point{z * random.NextUniform(-0.6, 0.6),
+                               z * random.NextUniform(-0.45, 0.45), z};
+    geometry::Vec3 predicted = point;
+    const double reach =
+        outlier_every > 0 && i % outlier_every == 0 ? 1.5 : noise_m;
+    predicted.x += reach * random.NextGaussian();
+    predicted.y += reach * random.NextGaussian();
+    predicted.z += reach * random.NextGaussian();
+    scene.point_in_camera.push_back({point.x * scale / depth_scale,
+                                     point.y * scale / depth_scale,
+                                     point.z / depth_scale});
+    scene.depth_sigma_m.push_back(0.005);
+    scene.predictions.push_back({predicted, {1e-4, 0, 0, 1e-4, 0, 1e-4}});
+  }
+  return scene;
+}
+
+TEST(FocalOfPoints, IsFoundFromWhereTheyAreToBe) {
+  for (const double scale : {0.9, 0.95, 1.0, 1.05, 1.1}) {
+    const auto estimate = EstimateFocal(Measured(scale, 1, 0.01), {});
+    ASSERT_TRUE(estimate.has_value()) << scale;
+    EXPECT_NEAR(estimate->scale, scale, 0.01);
+    EXPECT_LT(std::abs(std::log(estimate->scale / scale)), 2 * estimate->sigma);
+    EXPECT_LT(estimate->sigma, 0.02);
+  }
+}
+
+TEST(FocalOfPoints, HoldsOutAgainstWrongPredictions) {
+  const auto estimate = EstimateFocal(Measured(1.05, 1, 0.01, 2), {});
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_NEAR(estimate->scale, 1.05, 0.015);
+}
+
+TEST(FocalOfPoints, DepthOfAnotherScaleIsNoOtherFocalLength) {
+  const auto estimate = EstimateFocal(Measured(1, 1.015, 0.005), {});
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_NEAR(estimate->scale, 1, 0.01);
+}
+
+TEST(FocalOfPoints, TooFewSayNothing) {
+  PointPredictions scene = Measured(1.05, 1, 0.01);
+  scene.point_in_camera.resize(2);
+  EXPECT_FALSE(EstimateFocal(scene, {}).has_value());
+}
+
 }  // namespace
 }  // namespace treeline::pose

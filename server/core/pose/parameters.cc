@@ -18,6 +18,10 @@ std::vector<base::ParameterRow> PoseParameters() {
           base::RowOf(kMaxRefinedRayPoses),
           base::RowOf(kLocalRayIterations),
           base::RowOf(kFocalIterations),
+          base::RowOf(kPointFocalIterations),
+          base::RowOf(kInitialPointFocalRobustScale),
+          base::RowOf(kPointFocalBias),
+          base::RowOf(kDepthScaleSigma),
           base::RowOf(kInitialFocalRobustScale),
           base::RowOf(kMaxLogFocalScale)};
 }
