@@ -62,7 +62,8 @@ TEST(FocalDoubtTest, PointsAndFeaturesCountByHowWellTheyKnow) {
   const pose::FocalEstimate sure{.scale = 1.05, .sigma = 0.004};
   const auto corrected = known.Other({sure, right});
   ASSERT_TRUE(corrected.has_value());
-  EXPECT_NEAR(std::log(corrected->scale), std::log(1.05) / (1 + 16. / 49), 1e-9);
+  EXPECT_NEAR(std::log(corrected->scale), std::log(1.05) / (1 + 16. / 49),
+              1e-9);
   EXPECT_FALSE(in_vague_scene.Other({sure, right}).has_value());
   // Points alone correct nothing.
   EXPECT_FALSE(known.Other({std::nullopt, sure}).has_value());
