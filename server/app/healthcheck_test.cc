@@ -1,7 +1,13 @@
 #include "server/app/healthcheck.h"
 
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <cstdlib>
+#include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 
 namespace treeline::server_app {
@@ -35,6 +41,23 @@ TEST(Healthcheck, NobodyThereIsUnhealthy) {
   const absl::Status status =
       CheckHealth({.server = "127.0.0.1:1", .timeout_s = 30});
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+}
+
+TEST(Healthcheck, AsksTheServerAndNoProxyOfTheEnvironment) {
+  grpc::EnableDefaultHealthCheckService(true);
+  int port = 0;
+  const std::unique_ptr<grpc::Server> server =
+      grpc::ServerBuilder()
+          .AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(),
+                            &port)
+          .BuildAndStart();
+  ASSERT_NE(server, nullptr);
+  server->GetHealthCheckService()->SetServingStatus(true);
+  setenv("http_proxy", "http://127.0.0.1:1", 1);
+  const absl::Status status = CheckHealth(
+      {.server = absl::StrCat("127.0.0.1:", port), .timeout_s = 30});
+  unsetenv("http_proxy");
+  EXPECT_TRUE(status.ok()) << status;
 }
 
 TEST(Healthcheck, MissingFilesAreNamed) {
