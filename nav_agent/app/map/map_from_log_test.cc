@@ -40,6 +40,20 @@ class MapLogTest : public testing::Test {
   const std::string bundle_ = folder_ + "/box";
 };
 
+TEST_F(MapLogTest, ANameThatNoSceneMayHaveIsRefusedBeforeAnythingIsDone) {
+  RecordBoxDrive(log_, {});
+  MapLogOptions options = Options();
+  options.map.folder = folder_ + "/first floor";
+  const absl::Status status = MapLog(log_, options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("'first floor'"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--name"));
+  EXPECT_FALSE(std::filesystem::exists(options.map.folder));
+
+  options.map.name = "first-floor";
+  EXPECT_TRUE(options.map.Validate().ok());
+}
+
 TEST_F(MapLogTest, FramesMakeAMapInSpaceAndARecordingToTrainOn) {
   RecordBoxDrive(log_, {});
   const auto result = MapLog(log_, Options());
