@@ -1,5 +1,6 @@
 #include "server/app/healthcheck.h"
 
+#include <grpcpp/generic/async_generic_service.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
@@ -46,11 +47,12 @@ TEST(Healthcheck, NobodyThereIsUnhealthy) {
 TEST(Healthcheck, AsksTheServerAndNoProxyOfTheEnvironment) {
   grpc::EnableDefaultHealthCheckService(true);
   int port = 0;
-  const std::unique_ptr<grpc::Server> server =
-      grpc::ServerBuilder()
-          .AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(),
-                            &port)
-          .BuildAndStart();
+  grpc::CallbackGenericService other_calls;
+  grpc::ServerBuilder builder;
+  builder.RegisterCallbackGenericService(&other_calls);
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(),
+                           &port);
+  const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   ASSERT_NE(server, nullptr);
   server->GetHealthCheckService()->SetServingStatus(true);
   setenv("http_proxy", "http://127.0.0.1:1", 1);

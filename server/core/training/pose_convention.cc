@@ -77,13 +77,21 @@ const std::vector<Reading>& OtherReadings() {
        "are read as qw qx qy qz",
        "invert them, and put qw first",
        [](const Rigid3& p) { return FromWLast(p).Inverse(); }},
-      {"depth were 5 times as large", "give a --depth-unit 5 times as large",
+      {"depth were 5 times as large",
+       "give a --depth-unit 5 times as large, or positions in metres if they "
+       "are not",
        nullptr, 5},
-      {"depth were a fifth as large", "give a --depth-unit a fifth as large",
+      {"depth were a fifth as large",
+       "give a --depth-unit a fifth as large, or positions in metres if they "
+       "are not",
        nullptr, 1.0 / 5},
-      {"depth were 10 times as large", "give a --depth-unit 10 times as large",
+      {"depth were 10 times as large",
+       "give a --depth-unit 10 times as large, or positions in metres if they "
+       "are not",
        nullptr, 10},
-      {"depth were a tenth as large", "give a --depth-unit a tenth as large",
+      {"depth were a tenth as large",
+       "give a --depth-unit a tenth as large, or positions in metres if they "
+       "are not",
        nullptr, 1.0 / 10},
       {"positions were in centimetres", "give metres", nullptr, 100},
       {"positions were in millimetres", "give metres", nullptr, 1000},

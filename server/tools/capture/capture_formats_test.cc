@@ -50,10 +50,11 @@ std::string ErrorOf(const std::string& frames,
 }
 
 TEST(TransformsTest, CamerasOfFileAndFrame) {
-  const auto parsed = Parse(
-      absl::StrCat(FrameJson(R"("file_path":"./b_10.jpg","fl_x":600,"k1":0.1)"),
-                   ",", FrameJson(R"("file_path":"b_9.jpg")")),
-      R"("cx":300,"fl_y":510,)");
+  const auto parsed =
+      Parse(absl::StrCat(
+                FrameJson(R"("file_path":".\\b_10.jpg","fl_x":600,"k1":0.1)"),
+                ",", FrameJson(R"("file_path":"b_9.jpg")")),
+            R"("cx":300,"fl_y":510,)");
   ASSERT_TRUE(parsed.ok()) << parsed.status();
   ASSERT_EQ(parsed->frames.size(), 2u);
   EXPECT_EQ(parsed->frames[0].file_path, "b_9.jpg");
@@ -95,7 +96,7 @@ TEST(TransformsTest, ScaleOfLengthsAndUnitOfDepth) {
 
 TEST(TransformsTest, PathsStayInTheFolder) {
   for (const char* path : {"../../etc/passwd", "/etc/passwd", "a/../../b.jpg",
-                           "", "./", "a\\u0000.jpg"}) {
+                           "", "./", "a\\u0000.jpg", "..\\\\b.jpg"}) {
     EXPECT_THAT(
         ErrorOf(FrameJson(absl::StrCat(R"("file_path":")", path, "\""))),
         HasSubstr("transforms.json: frames[0]"))

@@ -164,13 +164,16 @@ absl::StatusOr<camera::Camera> CameraOf(const Entry& entry,
   return camera;
 }
 
-// A path of the file, relative to its folder, without a leading "./".
+// A path of the file, relative to its folder, without a leading "./". Programs
+// on Windows write it with backslashes.
 absl::StatusOr<std::string> PathOf(const Json& frame, const char* name,
                                    const std::string& where) {
   const auto found = frame.find(name);
   if (found == frame.end()) return "";
-  absl::string_view path;
-  if (found->is_string()) path = found->get_ref<const std::string&>();
+  std::string written;
+  if (found->is_string()) written = found->get_ref<const std::string&>();
+  std::ranges::replace(written, '\\', '/');
+  absl::string_view path = written;
   while (absl::ConsumePrefix(&path, "./")) {
   }
   if (path.empty() || dataset::LeadsOutside(path) ||
