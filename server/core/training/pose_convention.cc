@@ -57,11 +57,12 @@ Rigid3 FromWLast(const Rigid3& pose) {
 
 const std::vector<Reading>& OtherReadings() {
   static const auto& readings = *new std::vector<Reading>{
-      {"the poses were camera from world", "invert them",
+      {"the poses were the inverse of what is read", "invert them",
        [](const Rigid3& p) { return p.Inverse(); }},
       {"the camera's axes were OpenGL's (y up, z backwards)",
        "turn them to x right, y down, z forward", FromOpenGl},
-      {"the poses were camera from world, with OpenGL's axes (y up, z "
+      {"the poses were the inverse of what is read, with OpenGL's axes (y up, "
+       "z "
        "backwards)",
        "invert them, and turn the axes to x right, y down, z forward",
        [](const Rigid3& p) { return FromOpenGl(p.Inverse()); }},
@@ -69,11 +70,13 @@ const std::vector<Reading>& OtherReadings() {
        "put qw last", FromWFirst},
       {"quaternions were qx qy qz qw, and are read as qw qx qy qz",
        "put qw first", FromWLast},
-      {"the poses were camera from world, with quaternions qw qx qy qz that "
+      {"the poses were the inverse of what is read, with quaternions qw qx qy "
+       "qz that "
        "are read as qx qy qz qw",
        "invert them, and put qw last",
        [](const Rigid3& p) { return FromWFirst(p).Inverse(); }},
-      {"the poses were camera from world, with quaternions qx qy qz qw that "
+      {"the poses were the inverse of what is read, with quaternions qx qy qz "
+       "qw that "
        "are read as qw qx qy qz",
        "invert them, and put qw first",
        [](const Rigid3& p) { return FromWLast(p).Inverse(); }},

@@ -1,5 +1,5 @@
 // Are poses meant as they are read? Of recordings of other programs they may be
-// camera from world, of other axes, with other quaternions or units; a scene
+// the inverse, of other axes, with other quaternions or units; a scene
 // that is learnt with such poses answers nothing, or nonsense.
 #ifndef SERVER_CORE_TRAINING_POSE_CONVENTION_H_
 #define SERVER_CORE_TRAINING_POSE_CONVENTION_H_
@@ -15,7 +15,7 @@ namespace treeline::training {
 
 // A reading under which poses and depth fit together much better.
 struct OtherConvention {
-  // "the poses were camera from world ...", for people, and what to do.
+  // "the poses were the inverse ...", for people, and what to do.
   std::string reading;
   std::string remedy;
   // Of the depth that is carried from one frame into another, the share (0 to

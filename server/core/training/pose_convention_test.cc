@@ -47,12 +47,12 @@ TEST(PoseConvention, WhatFitsIsLeftAlone) {
   EXPECT_FALSE(Found({BoxFrames()[0]}).has_value());
 }
 
-TEST(PoseConvention, CameraFromWorldIsNamed) {
+TEST(PoseConvention, TheInverseIsNamed) {
   const auto other = Found(Changed(BoxFrames(), [](PosedDepth& frame) {
     frame.world_from_sensor = frame.world_from_sensor.Inverse();
   }));
   ASSERT_TRUE(other.has_value());
-  EXPECT_EQ(other->reading, "the poses were camera from world");
+  EXPECT_EQ(other->reading, "the poses were the inverse of what is read");
   EXPECT_EQ(other->remedy, "invert them");
   EXPECT_LT(other->agreement_as_read, 0.3);
   EXPECT_GT(other->agreement, 0.4);
@@ -70,7 +70,7 @@ TEST(PoseConvention, OtherAxesAreNamed) {
                                 frame.world_from_sensor =
                                     frame.world_from_sensor.Inverse();
                               })),
-              HasSubstr("camera from world, with OpenGL's axes"));
+              HasSubstr("the inverse of what is read, with OpenGL's axes"));
 }
 
 TEST(PoseConvention, OtherOrdersOfQuaternionsAreNamed) {

@@ -321,8 +321,7 @@ absl::Status CheckConvention(const dataset::Dataset& dataset,
   return absl::FailedPreconditionError(absl::StrFormat(
       "%s: poses and depth do not fit together: of the depth that they carry "
       "into another frame, %.0f %% meets what was measured there. It would be "
-      "%.0f %% if %s: %s. World from camera is expected, in metres, with x "
-      "right, y down and z forward (docs/frames.md)",
+      "%.0f %% if %s: %s. docs/frames.md says what is expected",
       dataset.uri(), 100 * other->agreement_as_read, 100 * other->agreement,
       other->reading, other->remedy));
 }
