@@ -19,6 +19,7 @@
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/testing_captures.h"
 #include "server/tools/capture/transforms_json.h"
+#include "server/tools/capture/video_reader.h"
 
 namespace treeline::capture {
 namespace {
@@ -304,6 +305,15 @@ TEST_F(BrokenCaptureTest, APlaylistIsNoVideo) {
                 "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:0\n#EXTINF:10.0,\n"
                 "file:///etc/passwd\n#EXT-X-ENDLIST\n");
   EXPECT_THAT(Import().status().message(), HasSubstr("is no video"));
+}
+
+TEST_F(BrokenCaptureTest, AnEmptyVideoIsNamed) {
+  folder_.Write("walk.mp4", "");
+  const absl::Status status =
+      VideoReader::Open(folder_.Path("walk.mp4")).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("walk.mp4"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("it is empty"));
 }
 
 TEST_F(BrokenCaptureTest, AVideoThatEndsEarlyLosesTheRest) {
