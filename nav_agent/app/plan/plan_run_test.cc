@@ -64,7 +64,7 @@ TEST(PlanRunTest, MessagesAreShortAndHarmless) {
 }
 
 TEST(PlanRunTest, AnythingElseIsAFinitePoseOrRefused) {
-  const std::string alphabet = "0123456789,.-+eEnaif x\0";
+  const std::string alphabet = std::string("0123456789,.-+eEnaif x") + '\0';
   for (uint64_t i = 0; i < 20000; ++i) {
     base::Random random(7, i);
     std::string text;

@@ -65,6 +65,21 @@ TEST(TransformsTest, CamerasOfFileAndFrame) {
             "OPENCV,600,510,299.5,239.5,0.1,0,0,0");
 }
 
+TEST(TransformsTest, PicturesThatStandTwiceAreNamed) {
+  const std::string a = FrameJson(R"("file_path":"a.jpg")");
+  const std::string b = FrameJson(R"("file_path":"b.jpg")");
+  const std::string c = FrameJson(R"("file_path":"c.jpg")");
+  const auto parsed =
+      Parse(absl::StrCat(a, ",", a, ",", b, ",", c, ",", c), "");
+  ASSERT_TRUE(parsed.ok()) << parsed.status();
+  ASSERT_EQ(parsed->frames.size(), 3u);
+  EXPECT_EQ(parsed->frames[1].file_path, "b.jpg");
+  EXPECT_EQ(parsed->frames[2].file_path, "c.jpg");
+  EXPECT_THAT(parsed->left_out.Lines(),
+              testing::ElementsAre("2 frames: its file_path is that of another "
+                                   "frame (the first: a.jpg)"));
+}
+
 TEST(TransformsTest, FisheyeAndFieldOfView) {
   const auto fisheye =
       Parse(FrameJson(R"("file_path":"a.jpg")"),

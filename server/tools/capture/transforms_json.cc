@@ -296,13 +296,15 @@ absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
   }
   std::ranges::stable_sort(result.frames, NaturalLess,
                            &TransformsFrame::file_path);
-  const auto twice =
-      std::ranges::unique(result.frames, {}, &TransformsFrame::file_path);
-  for (const TransformsFrame& frame : twice) {
-    result.left_out.Add("its file_path is that of another frame",
-                        frame.file_path);
-  }
-  result.frames.erase(twice.begin(), twice.end());
+  std::string last;
+  std::erase_if(result.frames, [&](const TransformsFrame& frame) {
+    if (frame.file_path != last) {
+      last = frame.file_path;
+      return false;
+    }
+    result.left_out.Add("its file_path is that of another frame", last);
+    return true;
+  });
   return result;
 }
 
