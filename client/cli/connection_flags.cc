@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/client_command.h"
+#include "client/cli/unavailable_hint.h"
 #include "client/relocalizer/connect_options.h"
 #include "common/base/error_info.h"
 
@@ -103,8 +104,7 @@ int ReportFailure(const absl::Status& status, const ConnectionFlags& flags,
   }
   std::string hint;
   if (absl::IsUnavailable(status)) {
-    hint = absl::StrCat("\nIs treeline-server running at ", flags.server,
-                        ", and not overloaded?");
+    hint = "\n" + UnavailableHint(status.message(), flags.server);
   } else if (absl::IsNotFound(status)) {
     hint = absl::StrCat("\n`treeline-client scenes --server ", flags.server,
                         "` lists the scenes.");

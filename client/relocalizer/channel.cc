@@ -127,6 +127,10 @@ grpc::ChannelArguments ArgumentsOf(const ConnectOptions& options) {
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLastReconnect_ms);
   arguments.SetInt(GRPC_ARG_DNS_MIN_TIME_BETWEEN_RESOLUTIONS_MS,
                    kLookUpAgain_ms);
+  if (IsOnThisMachine(options.server)) {
+    // gRPC would ask the proxy of http_proxy to connect to itself.
+    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  }
   if (options.own_connections) {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   }

@@ -6,6 +6,7 @@
 #include <grpcpp/server_builder.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -112,6 +113,16 @@ class ChannelTest : public testing::Test {
 
 TEST_F(ChannelTest, ATrustedServerIsAsked) {
   EXPECT_TRUE(Ask(Trusting(StartServer())).ok());
+}
+
+TEST_F(ChannelTest, AProxyIsNotAskedForThisMachine) {
+  const ConnectOptions options = Trusting(StartServer());
+  setenv("http_proxy", "http://127.0.0.1:1", 1);
+  setenv("grpc_proxy", "http://127.0.0.1:1", 1);
+  const absl::Status status = Ask(options);
+  unsetenv("http_proxy");
+  unsetenv("grpc_proxy");
+  EXPECT_TRUE(status.ok()) << status;
 }
 
 TEST_F(ChannelTest, AServerOfAnotherAuthorityIsNot) {

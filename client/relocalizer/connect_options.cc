@@ -73,6 +73,24 @@ bool IsAddressOnThisMachine(absl::string_view address) {
           (IsAddress(AF_INET, host) && absl::StartsWith(host, "127.")));
 }
 
+// gRPC would look for a host of the whole name, or for the port 0.
+absl::Status CheckSingle(const std::string& address) {
+  for (const char* scheme : {"http://", "https://", "grpc://", "grpcs://"}) {
+    if (absl::StartsWithIgnoreCase(address, scheme)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("\"", address,
+                       "\" is a web address; a server is given as HOST:PORT, ",
+                       "the port that it says it is \"listening on\""));
+    }
+  }
+  if (absl::StrContains(address, ":///") || !Split(address).port.empty()) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "\"", address, "\" has no port; give HOST:PORT, for instance ", address,
+      absl::EndsWith(address, ":") ? "" : ":", "50051"));
+}
+
 absl::Status OutOfRange(absl::string_view name, int value, int high) {
   return absl::InvalidArgumentError(
       absl::StrCat(name, " is ", value, "; it must be 1..", high));
@@ -82,7 +100,10 @@ absl::Status OutOfRange(absl::string_view name, int value, int high) {
 
 absl::StatusOr<std::string> GrpcTarget(absl::string_view server) {
   const std::vector<std::string> addresses = absl::StrSplit(server, ',');
-  if (addresses.size() == 1) return addresses.front();
+  if (addresses.size() == 1) {
+    TL_RETURN_IF_ERROR(CheckSingle(addresses.front()));
+    return addresses.front();
+  }
   const bool six = absl::StartsWith(server, "[");
   for (const std::string& address : addresses) {
     TL_RETURN_IF_ERROR(CheckListed(address, six ? AF_INET6 : AF_INET));

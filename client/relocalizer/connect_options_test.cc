@@ -46,6 +46,19 @@ TEST(ConnectOptions, ListsOfWhatAreNoAddressesAreRefused) {
   EXPECT_THAT(Refusal({.server = "127.0.0.1:1,"}), HasSubstr("no port"));
 }
 
+TEST(ConnectOptions, OneServerHasAPortAndIsNoWebAddress) {
+  EXPECT_THAT(Refusal({.server = "127.0.0.1"}), HasSubstr("127.0.0.1:50051"));
+  EXPECT_THAT(Refusal({.server = "robot:"}), HasSubstr("robot:50051"));
+  EXPECT_THAT(Refusal({.server = "[::1]"}), HasSubstr("[::1]:50051"));
+  EXPECT_THAT(Refusal({.server = "http://127.0.0.1:8080"}),
+              HasSubstr("HOST:PORT"));
+  EXPECT_THAT(Refusal({.server = "HTTPS://robot/"}), HasSubstr("web address"));
+  for (const char* server : {"robot:1", "[::1]:1", "unix:/run/x", "unix:///x",
+                             "dns:///robot", "ipv4:10.0.0.1:1"}) {
+    EXPECT_TRUE(ConnectOptions{.server = server}.Validate().ok()) << server;
+  }
+}
+
 TEST(ConnectOptions, KnowsThisMachine) {
   for (const char* server :
        {"127.0.0.1:1", "127.9.9.9:1,127.0.0.1:2", "localhost:1", "[::1]:1",

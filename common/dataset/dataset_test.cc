@@ -335,6 +335,14 @@ TEST_F(TumDatasetTest, AssociatesDepthAndInterpolatesPoses) {
   EXPECT_FALSE(dataset->Load(2)->depth.has_value());
 }
 
+TEST_F(TumDatasetTest, ColourAloneHasNoDepth) {
+  fs::remove(folder_.Path("depth.txt"));
+  const auto dataset = Dataset::Open(Tum());
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  EXPECT_EQ(dataset->size(), 3);
+  EXPECT_EQ(dataset->frame(0).depth_path, "");
+}
+
 TEST_F(TumDatasetTest, TheTimeDifferenceIsAnOption) {
   DatasetOptions options = Tum();
   options.max_time_difference_s = 0.008;

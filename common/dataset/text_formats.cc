@@ -28,10 +28,17 @@ struct Line {
   int number = 0;
 };
 
+// Notepad and spreadsheets begin UTF-8 with it.
+absl::string_view WithoutByteOrderMark(absl::string_view text) {
+  absl::ConsumePrefix(&text, "\xef\xbb\xbf");
+  return text;
+}
+
 std::vector<Line> SplitLines(absl::string_view text) {
   std::vector<Line> lines;
   int number = 0;
-  for (absl::string_view raw : absl::StrSplit(text, '\n')) {
+  for (absl::string_view raw :
+       absl::StrSplit(WithoutByteOrderMark(text), '\n')) {
     ++number;
     const absl::string_view content = raw.substr(0, raw.find('#'));
     std::vector<absl::string_view> words =
@@ -106,8 +113,10 @@ absl::StatusOr<Time_ns> ParseTime_ns(absl::string_view written) {
   int64_t whole = 0;
   if (seconds.empty() || !is_digits(seconds) || !is_digits(decimals) ||
       !absl::SimpleAtoi(seconds, &whole) || whole > 9'000'000'000) {
+    const bool is_large = !seconds.empty() && is_digits(seconds);
     return absl::InvalidArgumentError(absl::StrCat(
-        "'", absl::CHexEscape(written), "' is not a time stamp in seconds"));
+        "'", absl::CHexEscape(written), "' is not a time stamp in seconds",
+        is_large ? "; are these milliseconds or nanoseconds?" : ""));
   }
   Time_ns fraction = 0;
   Time_ns unit = kSecond_ns / 10;
@@ -123,7 +132,8 @@ absl::StatusOr<std::vector<ListedStem>> ParseFrameList(
   std::vector<ListedStem> stems;
   Duplicates duplicates(file);
   int number = 0;
-  for (const absl::string_view line : absl::StrSplit(text, '\n')) {
+  for (const absl::string_view line :
+       absl::StrSplit(WithoutByteOrderMark(text), '\n')) {
     ++number;
     const std::string stem(WithoutComment(line));
     if (stem.empty()) continue;

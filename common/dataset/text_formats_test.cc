@@ -42,6 +42,33 @@ TEST(ParseTimeTest, RefusesWhatIsNotATime) {
   }
 }
 
+TEST(ParseTimeTest, AsksWhetherLargeNumbersAreOfAnotherUnit) {
+  for (const char* stamp :
+       {"1305031102175304000", "1305031102175", "99999999999"}) {
+    EXPECT_THAT(std::string(ParseTime_ns(stamp).status().message()),
+                HasSubstr("milliseconds or nanoseconds?"))
+        << stamp;
+  }
+  EXPECT_THAT(std::string(ParseTime_ns("noon").status().message()),
+              testing::Not(HasSubstr("nanoseconds")));
+}
+
+// As Notepad and spreadsheets write UTF-8.
+TEST(TextFormatsTest, AByteOrderMarkIsPassedOver) {
+  const auto files = ParseTimedFiles(
+      "\xef\xbb\xbf"
+      "0.5 a.png\n",
+      "rgb.txt");
+  ASSERT_TRUE(files.ok()) << files.status();
+  EXPECT_EQ((*files)[0].stem, "0.5");
+  const auto stems = ParseFrameList(
+      "\xef\xbb\xbf"
+      "seq-01/a\n",
+      "x");
+  ASSERT_TRUE(stems.ok()) << stems.status();
+  EXPECT_EQ((*stems)[0].stem, "seq-01/a");
+}
+
 TEST(ParseFrameListTest, KeepsOrderAndLinesPastCommentsAndCarriageReturns) {
   const auto stems = ParseFrameList(
       "# header\r\nseq-01/frame-000002\r\n\n  seq-01/frame-000001 # why\n",

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 #include <tuple>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -66,6 +67,13 @@ std::vector<std::string> StemsOf(const std::vector<TimedFile>& files) {
   stems.reserve(files.size());
   for (const TimedFile& file : files) stems.push_back(file.stem);
   return stems;
+}
+
+// What rgb.txt or depth.txt lists.
+absl::StatusOr<std::vector<TimedFile>> ReadList(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      base::ReadFile(path, kMaxTextBytes));
+  return ParseTimedFiles(text, path);
 }
 
 absl::StatusOr<std::vector<TimedPose>> ReadGroundTruth(
@@ -163,19 +171,26 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   index.depth_unit_m = 1.0 / 5000;
 
   const std::string colors_path = request.path + "/rgb.txt";
-  TL_ASSIGN_OR_RETURN(const std::string colors_text,
-                      base::ReadFile(colors_path, kMaxTextBytes));
-  TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> colors,
-                      ParseTimedFiles(colors_text, colors_path));
+  const absl::StatusOr<std::vector<TimedFile>> listed = ReadList(colors_path);
+  if (absl::IsNotFound(listed.status())) {
+    return absl::NotFoundError(
+        absl::StrCat(request.path,
+                     ": there is no rgb.txt; is this the folder of a "
+                     "recording in the layout of TUM RGB-D?"));
+  }
+  TL_RETURN_IF_ERROR(listed.status());
+  const std::vector<TimedFile>& colors = *listed;
   if (colors.empty()) {
     return absl::InvalidArgumentError(
         absl::StrCat(colors_path, ": names no image"));
   }
   const std::string depths_path = request.path + "/depth.txt";
-  TL_ASSIGN_OR_RETURN(const std::string depths_text,
-                      base::ReadFile(depths_path, kMaxTextBytes));
-  TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> depths,
-                      ParseTimedFiles(depths_text, depths_path));
+  std::vector<TimedFile> depths;
+  // Without depth a recording can still be localized.
+  if (absl::StatusOr<std::vector<TimedFile>> read = ReadList(depths_path);
+      !absl::IsNotFound(read.status())) {
+    TL_ASSIGN_OR_RETURN(depths, std::move(read));
+  }
   TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> poses,
                       ReadGroundTruth(request));
   TL_RETURN_IF_ERROR(CheckTimesMeet(colors, poses, request.path));

@@ -30,8 +30,10 @@ constexpr std::array<const char*, 6> kParts = {
     kBundleManifest,  kBundleOctomap,    kBundleLevels,
     kBundleKeyframes, kBundleTrajectory, kBundlePicture};
 
+constexpr size_t kMaxNameBytes = 64;
+
 bool IsSceneName(absl::string_view name) {
-  return !name.empty() && name.size() <= 64 && name[0] != '.' &&
+  return !name.empty() && name.size() <= kMaxNameBytes && name[0] != '.' &&
          std::all_of(name.begin(), name.end(), [](char c) {
            return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
                   c == '-' || c == '_' || c == '.';
@@ -166,6 +168,13 @@ absl::StatusOr<octree::VoxelMap> WithCellsOf(
 
 }  // namespace
 
+absl::Status CheckBundleName(absl::string_view name) {
+  if (IsSceneName(name)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "'", name, "' is no name for a scene: letters, digits, '-', '_' and '.'",
+      ", at most ", kMaxNameBytes, " and no '.' in front"));
+}
+
 absl::Status BeginMapBundle(const std::string& folder, bool overwrite) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -201,11 +210,7 @@ absl::Status WriteBundleTrajectory(
 
 absl::Status FinishMapBundle(const std::string& folder,
                              const MapBundleManifest& manifest) {
-  if (!IsSceneName(manifest.name)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "'", manifest.name,
-        "' is no name for a scene: letters, digits, '-', '_' and '.'"));
-  }
+  TL_RETURN_IF_ERROR(CheckBundleName(manifest.name));
   TL_RETURN_IF_ERROR(CheckParts(folder, manifest));
   return base::WriteFileAtomically(folder + "/" + kBundleManifest,
                                    FormatManifest(manifest));

@@ -58,6 +58,9 @@ absl::StatusOr<traversability::TraversableMap> PlanarLevels(
 absl::StatusOr<octree::VoxelMap> PlanarVoxels(
     const traversability::TraversableMap& levels, double laser_height_m);
 
+// INVALID_ARGUMENT: a manifest may not have that name.
+absl::Status CheckBundleName(absl::string_view name);
+
 // Makes the folder ready for a new bundle. ALREADY_EXISTS if there is something
 // in it, unless `overwrite`: then what a bundle consists of is removed, and
 // nothing else.

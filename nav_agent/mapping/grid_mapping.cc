@@ -133,7 +133,9 @@ absl::StatusOr<core::OccupancyGrid> MapGrid(std::span<const GridScan> scans,
   }
   const geometry::Vec2 size = bounds.high - bounds.low;
   if (!std::isfinite(size.x) || !std::isfinite(size.y)) {
-    return absl::InvalidArgumentError("no scan has seen anything");
+    return absl::InvalidArgumentError(absl::StrCat(
+        "no scan has seen anything within ", options.max_range_m,
+        " m, nor farther than the laser's range_max; are ranges in metres?"));
   }
   const double width =
       std::ceil((size.x + 2 * options.border_m) / options.resolution_m) + 1;

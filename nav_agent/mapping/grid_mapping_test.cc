@@ -1,7 +1,9 @@
 #include "nav_agent/mapping/grid_mapping.h"
 
+#include <string>
 #include <vector>
 
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nav_agent/mapping/testing_plan.h"
 
@@ -56,7 +58,8 @@ TEST(GridMapping, RefusesWhatIsNotSane) {
   const std::vector<float> blind(181, core::kInvalidRange);
   const std::vector<float> few(3, 1.0F);
   GridScan scan = {.map_from_laser = {}, .ranges_m = blind};
-  EXPECT_FALSE(MapGrid({&scan, 1}, laser, {}).ok());
+  EXPECT_THAT(std::string(MapGrid({&scan, 1}, laser, {}).status().message()),
+              testing::HasSubstr("are ranges in metres?"));
   scan.ranges_m = few;
   EXPECT_FALSE(MapGrid({&scan, 1}, laser, {}).ok());
   const std::vector<float> seen(181, 3.0F);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "common/flood_guard/testing_connection.h"
 #include "common/flood_guard/testing_frames.h"
 #include "nav_agent/service/agent_grpc_server.h"
+#include "nav_agent/service/agent_stub.h"
 #include "nav_agent/service/testing_navigator.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
@@ -113,6 +115,17 @@ TEST_F(AgentGrpcTest, ARouteTellsHowItGoesAndWhatItMissed) {
   EXPECT_EQ(one.route().last_missed_size(), 0);
   EXPECT_EQ(one.route().waypoint(), 1);
   EXPECT_EQ(one.goal().state(), v1::GOAL_STATE_SUCCEEDED);
+}
+
+TEST_F(AgentGrpcTest, CommandsReachItPastAProxyOfTheEnvironment) {
+  Start();
+  setenv("http_proxy", "http://127.0.0.1:1", 1);
+  const auto stub = AgentStub(server_->address());
+  grpc::ClientContext context;
+  v1::GetRoutesResponse routes;
+  const grpc::Status status = stub->GetRoutes(&context, {}, &routes);
+  unsetenv("http_proxy");
+  EXPECT_TRUE(status.ok()) << status.error_message();
 }
 
 TEST_F(AgentGrpcTest, ARouteThatIsNotKeptIsSaidSo) {

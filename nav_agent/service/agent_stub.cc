@@ -8,17 +8,27 @@
 #include "common/wire/status.h"
 
 namespace treeline::agent_service {
+namespace {
+
+// A robot is in the same network: a proxy of the environment, which leads out
+// of it, does not know the way.
+std::shared_ptr<grpc::Channel> AgentChannel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(),
+                                   arguments);
+}
+
+}  // namespace
 
 std::unique_ptr<v1::NavigationService::Stub> AgentStub(
     const std::string& address) {
-  return v1::NavigationService::NewStub(
-      grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+  return v1::NavigationService::NewStub(AgentChannel(address));
 }
 
 std::unique_ptr<v1::DockingService::Stub> DockingStub(
     const std::string& address) {
-  return v1::DockingService::NewStub(
-      grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+  return v1::DockingService::NewStub(AgentChannel(address));
 }
 
 absl::Status CallStatus(const std::string& address,

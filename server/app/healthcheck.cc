@@ -46,6 +46,9 @@ std::string NameOf(int serving_status) {
 }
 
 struct Connection {
+  // The server itself is asked, not a proxy of the environment for it.
+  Connection() { arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0); }
+
   std::shared_ptr<grpc::ChannelCredentials> credentials;
   grpc::ChannelArguments arguments;
 };

@@ -1,7 +1,14 @@
 #include "server/app/healthcheck.h"
 
+#include <grpcpp/generic/async_generic_service.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <cstdlib>
+#include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 
 namespace treeline::server_app {
@@ -35,6 +42,24 @@ TEST(Healthcheck, NobodyThereIsUnhealthy) {
   const absl::Status status =
       CheckHealth({.server = "127.0.0.1:1", .timeout_s = 30});
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+}
+
+TEST(Healthcheck, AsksTheServerAndNoProxyOfTheEnvironment) {
+  grpc::EnableDefaultHealthCheckService(true);
+  int port = 0;
+  grpc::CallbackGenericService other_calls;
+  grpc::ServerBuilder builder;
+  builder.RegisterCallbackGenericService(&other_calls);
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(),
+                           &port);
+  const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  ASSERT_NE(server, nullptr);
+  server->GetHealthCheckService()->SetServingStatus(true);
+  setenv("http_proxy", "http://127.0.0.1:1", 1);
+  const absl::Status status = CheckHealth(
+      {.server = absl::StrCat("127.0.0.1:", port), .timeout_s = 30});
+  unsetenv("http_proxy");
+  EXPECT_TRUE(status.ok()) << status;
 }
 
 TEST(Healthcheck, MissingFilesAreNamed) {

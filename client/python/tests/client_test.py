@@ -446,6 +446,14 @@ class Tokens(WithServer):
             treeline.Client(target, token="abc").close()
 
 
+class Proxies(WithServer):
+
+    def test_are_not_asked_for_this_machine(self):
+        self.service.response = localized()
+        with mock.patch.dict("os.environ", http_proxy="http://127.0.0.1:1"):
+            self.assertTrue(self.connect().localize(JPEG))
+
+
 class Options(unittest.TestCase):
 
     def test_of_several_servers_only_addresses_are_taken(self):
@@ -457,6 +465,15 @@ class Options(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, why):
                 treeline.Client(targets)
         treeline.Client("[::1]:1,[::2]:1").close()
+
+    def test_one_server_has_a_port_and_is_no_web_address(self):
+        for target, why in (("127.0.0.1", "127.0.0.1:50051"),
+                            ("robot:", "robot:50051"),
+                            ("http://127.0.0.1:8080", "a web address")):
+            with self.assertRaisesRegex(ValueError, why):
+                treeline.Client(target)
+        for target in ("robot:1", "dns:///robot", "unix:///tmp/a"):
+            treeline.Client(target).close()
 
     def test_numbers_have_ranges(self):
         for options in ({"timeout_s": 0}, {"max_attempts": 0},

@@ -117,6 +117,15 @@ class Depth(unittest.TestCase):
             np.testing.assert_array_equal(
                 depth_values(metres.astype(kind), 0.001), expected)
 
+    def test_what_is_masked_is_not_measured(self):
+        millimetres = np.ma.array([[1234, 4321]], np.uint16,
+                                  mask=[[False, True]])
+        depth = frame_of(depth=millimetres).depth
+        self.assertEqual(depth.raw.data, b"\xd2\x04\0\0")
+        np.testing.assert_array_equal(
+            depth_values(np.ma.array([[1.5, 2.5]], mask=[[True, False]]),
+                         0.001), [[0, 2500]])
+
     def test_floats_that_are_no_metres_are_refused_in_words(self):
         millimetres = np.array([[1234, 0], [np.nan, 2345]], np.float32)
         with self.assertRaisesRegex(ValueError, "are they millimetres"):

@@ -123,6 +123,9 @@ class Connection:
             ("grpc.initial_reconnect_backoff_ms", _FIRST_RECONNECT_MS),
             ("grpc.max_reconnect_backoff_ms", _LAST_RECONNECT_MS),
             ("grpc.dns_min_time_between_resolutions_ms", _LOOK_UP_AGAIN_MS)]
+        if options.is_on_this_machine(addresses):
+            # gRPC would ask the proxy of http_proxy to connect to itself.
+            self._arguments.append(("grpc.enable_http_proxy", 0))
         if tls is not None:
             # New certificates need connections of their own.
             self._arguments.append(("grpc.use_local_subchannel_pool", 1))

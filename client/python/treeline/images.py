@@ -104,10 +104,14 @@ def color_message(image: Image, encoding: Encoding) -> frame_pb2.ColorImage:
 
 def depth_values(depth: NDArray, unit_m: float) -> NDArray[np.uint16]:
     """H x W of uint16 in units of unit_m. Of floats (metres), what is not
-    positive, not finite or too far for 16 bits is 0: not measured. ValueError:
+    positive, not finite or too far for 16 bits is 0: not measured; so is what is
+    masked. ValueError:
     also for floats that are no metres, by all signs."""
     if depth.ndim != 2 or depth.size == 0:
         raise ValueError(f"depth: H x W is expected, not {depth.shape}")
+    if isinstance(depth, np.ma.MaskedArray):
+        # tobytes() would write its fill value, 999999 as 16 bits, there.
+        depth = depth.filled(0)
     if depth.dtype == np.uint16:
         return depth
     if not np.issubdtype(depth.dtype, np.floating):

@@ -61,9 +61,21 @@ def _check_listed(address: str, version: int) -> None:
             " of one family; one name for all of them is dns:///NAME:PORT")
 
 
+def _check_single(address: str) -> None:
+    """gRPC would look for a host of the whole name, or for the port 0."""
+    if address.lower().startswith(("http://", "https://", "grpc://",
+                                   "grpcs://")):
+        raise ValueError(f"{address!r} is a web address; a server is given as"
+                         " HOST:PORT, the port that it says it is \"listening"
+                         " on\"")
+    if ":///" not in address and not _split(address)[1]:
+        raise ValueError(f"{address!r} has no port; give HOST:PORT, for"
+                         f" instance {address.removesuffix(':')}:50051")
+
+
 def addresses_of(targets: str | Sequence[str]) -> list[str]:
-    """Of a text with commas or a sequence. ValueError: none, or several that
-    are no IP addresses with ports."""
+    """Of a text with commas or a sequence. ValueError: none, one without a
+    port, or several that are no IP addresses with ports."""
     text = targets if isinstance(targets, str) else ",".join(targets)
     listed = text.split(",")
     if not all(listed):
@@ -72,6 +84,8 @@ def addresses_of(targets: str | Sequence[str]) -> list[str]:
         version = 6 if listed[0].startswith("[") else 4
         for address in listed:
             _check_listed(address, version)
+    else:
+        _check_single(listed[0])
     return listed
 
 

@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "common/base/check_heading.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::bridge_app {
@@ -174,6 +175,7 @@ absl::StatusOr<geometry::Rigid3> ParseTransform(
     values.push_back(value);
   }
   if (values.size() == numbers.size() && values.size() == 4) {
+    TL_RETURN_IF_ERROR(base::CheckHeading(setting, values[3]));
     return geometry::Rigid3{
         .rotation = geometry::Rotation3::FromAxisAngle({0, 0, values[3]}),
         .translation = {values[0], values[1], values[2]}};

@@ -49,6 +49,10 @@ TEST(BridgeConfigTest, Transforms) {
       std::string(ParseTransform({"1", "2"}, "here").status().message()),
       HasSubstr("here"));
   EXPECT_FALSE(ParseTransform({"1", "2", "3", "x"}, "here").ok());
+  EXPECT_THAT(
+      std::string(
+          ParseTransform({"0", "0", "0", "180"}, "here").status().message()),
+      HasSubstr("headings are in rad"));
   EXPECT_FALSE(
       ParseTransform({"0", "0", "0", "1", "1", "1", "1"}, "here").ok());
 }

@@ -15,6 +15,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/check_heading.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
@@ -249,6 +250,7 @@ absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
   options.seed = flags.seed;
   options.use_tilt = !flags.no_tilt;
   if (!flags.initial.empty()) {
+    TL_RETURN_IF_ERROR(base::CheckHeading("--initial", flags.initial[2]));
     options.initial_map_from_base =
         geometry::Rigid2{.translation = {flags.initial[0], flags.initial[1]},
                          .yaw_rad = flags.initial[2]};

@@ -11,6 +11,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 #include "nav_agent/fusion/wheel_strip.h"
+#include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/traversability/level_files.h"
 
@@ -52,6 +53,9 @@ absl::Status MapOptions::Validate() const {
   if (folder.empty()) {
     return absl::InvalidArgumentError("no folder is named for the map");
   }
+  TL_RETURN_IF_ERROR(
+      base::Annotate(map_bundle::CheckBundleName(SceneName()),
+                     "the map's name; give another with --name"));
   TL_RETURN_IF_ERROR(fusion.Validate());
   TL_RETURN_IF_ERROR(traversability.Validate());
   TL_RETURN_IF_ERROR(base::CheckRange("keyframe_m", keyframe_m, 0, 10));

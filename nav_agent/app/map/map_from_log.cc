@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <utility>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/tum.h"
 #include "nav_agent/recording/agent_log.h"
@@ -218,8 +220,15 @@ absl::StatusOr<MapLogResult> MapLog(const std::string& log,
     provenance.half_width_m = result.drive.robot->half_width_m;
   }
   if (is_planar) {
-    TL_ASSIGN_OR_RETURN(result.summary,
-                        FinishPlanar(provenance, result.drive, *assembly));
+    absl::StatusOr<MapSummary> summary =
+        FinishPlanar(provenance, result.drive, *assembly);
+    // What was left out may be the reason.
+    if (!summary.ok() && !result.warnings.empty()) {
+      return absl::Status(summary.status().code(),
+                          absl::StrCat(summary.status().message(), "\n",
+                                       absl::StrJoin(result.warnings, "\n")));
+    }
+    TL_ASSIGN_OR_RETURN(result.summary, std::move(summary));
   } else {
     TL_ASSIGN_OR_RETURN(result.summary, assembly->Finish(provenance));
   }

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <variant>
 
+#include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
@@ -14,6 +16,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/app/map/testing_drive.h"
 #include "nav_agent/app/map/trajectory_files.h"
+#include "nav_agent/recording/agent_log.h"
 #include "nav_agent/ros_log/convert_log.h"
 
 namespace treeline::map_app {
@@ -39,6 +42,42 @@ class MapLogTest : public testing::Test {
   const std::string log_ = folder_ + "/drive.tlog";
   const std::string bundle_ = folder_ + "/box";
 };
+
+TEST_F(MapLogTest, ANameThatNoSceneMayHaveIsRefusedBeforeAnythingIsDone) {
+  RecordBoxDrive(log_, {});
+  MapLogOptions options = Options();
+  options.map.folder = folder_ + "/first floor";
+  const absl::Status status = MapLog(log_, options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("'first floor'"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--name"));
+  EXPECT_FALSE(std::filesystem::exists(options.map.folder));
+
+  options.map.name = "first-floor";
+  EXPECT_TRUE(options.map.Validate().ok());
+}
+
+// A clock that stands: what is left out for it is the reason, and is told.
+TEST_F(MapLogTest, WhatWasLeftOutIsToldWhereThereIsNoMapForIt) {
+  const std::string moving = folder_ + "/moving.tlog";
+  RecordBoxDrive(moving, {.frames_hz = 0});
+  {
+    const base::SteadyClock clock;
+    auto reader = *recording::AgentLogReader::Open(moving);
+    const auto writer =
+        *recording::AgentLogWriter::Open(log_, /*append=*/false, clock);
+    while (auto entry = reader.Next()) {
+      if (auto* scan = std::get_if<core::LaserScan>(&*entry)) scan->stamp = {};
+      ASSERT_TRUE(writer->Write(*entry).ok());
+    }
+    ASSERT_TRUE(writer->Flush().ok());
+  }
+  const absl::Status status = MapLog(log_, Options()).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("too little for a map"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("scans were left out because"));
+}
 
 TEST_F(MapLogTest, FramesMakeAMapInSpaceAndARecordingToTrainOn) {
   RecordBoxDrive(log_, {});

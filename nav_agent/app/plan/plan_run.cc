@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "common/base/check_heading.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/map_bundle/drivable_map.h"
 #include "nlohmann/json.hpp"
@@ -85,6 +86,7 @@ absl::StatusOr<core::LevelPose> ParsePlanPose(const std::string& text,
                                               const std::string& option) {
   TL_ASSIGN_OR_RETURN(const Numbers numbers,
                       ParseNumbers(text, option, "X,Y,YAW"));
+  TL_RETURN_IF_ERROR(base::CheckHeading(option, numbers.values[2]));
   return core::LevelPose{
       .map_from_base = {.translation = {numbers.values[0], numbers.values[1]},
                         .yaw_rad =

@@ -27,9 +27,16 @@ TEST(PlanRunTest, ReadsPosesWithAndWithoutALevel) {
   EXPECT_EQ(upstairs->map_from_base.translation.x, 10);
   EXPECT_EQ(upstairs->place.level, 2);
   // Headings are kept within half a turn.
-  const auto turned = ParsePlanPose("0,0,100000000", "--goal");
+  const auto turned = ParsePlanPose("0,0,6.28", "--goal");
   ASSERT_TRUE(turned.ok()) << turned.status();
   EXPECT_LE(std::abs(turned->map_from_base.yaw_rad), std::numbers::pi);
+}
+
+TEST(PlanRunTest, RefusesDegrees) {
+  const absl::Status status = ParsePlanPose("1,2,90", "--goal").status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("90 degrees are 1.57"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--goal"));
 }
 
 TEST(PlanRunTest, RefusesWhatIsNoPoseAndNamesTheOption) {
@@ -57,7 +64,7 @@ TEST(PlanRunTest, MessagesAreShortAndHarmless) {
 }
 
 TEST(PlanRunTest, AnythingElseIsAFinitePoseOrRefused) {
-  const std::string alphabet = "0123456789,.-+eEnaif x\0";
+  const std::string alphabet = std::string("0123456789,.-+eEnaif x") + '\0';
   for (uint64_t i = 0; i < 20000; ++i) {
     base::Random random(7, i);
     std::string text;

@@ -5,6 +5,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "common/base/check_heading.h"
 #include "common/base/status_macros.h"
 #include "simulation/worlds/rearrange.h"
 
@@ -326,6 +327,8 @@ absl::StatusOr<std::optional<agent_service::RequestedPose>> ParseRequestedPose(
         flag, " ", absl::StrJoin(numbers, ","),
         " is not a pose; give X,Y,YAW or X,Y,YAW,LEVEL in m and rad"));
   }
+  TL_RETURN_IF_ERROR(base::CheckHeading(
+      absl::StrCat(flag, " ", absl::StrJoin(numbers, ",")), pose.yaw_rad));
   return pose;
 }
 

@@ -89,6 +89,8 @@ TEST(AgentConfig, ReadsPoses) {
        std::vector<std::vector<std::string>>{{"1", "2"},
                                              {"1", "2", "x"},
                                              {"1", "2", "nan"},
+                                             {"1", "2", "90"},
+                                             {"1", "2", "-180"},
                                              {"1", "2", "3", "0.5"},
                                              {"1", "2", "3", "4", "5"}}) {
     EXPECT_THAT(ParseRequestedPose(bad, "--goal").status().message(),

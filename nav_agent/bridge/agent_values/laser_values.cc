@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
@@ -19,6 +20,8 @@ constexpr float kFinestCell_m = 0.005F;
 constexpr float kCoarsestCell_m = 100;
 // Lasers that turn once have a few thousand.
 constexpr int kMaxBeams = 100'000;
+// Two turns, which no laser needs.
+constexpr double kMaxAngle_rad = 4 * std::numbers::pi;
 
 }  // namespace
 
@@ -48,6 +51,15 @@ absl::StatusOr<core::RangeSensorInfo> SensorInfoOf(
         "scan from angle_min ", scan.angle_min, " to angle_max ",
         scan.angle_max, " rad by angle_increment ", scan.angle_increment,
         ": which way do its beams run? Its driver must make them agree"));
+  }
+  if (is_good && std::max(std::abs(info.angle_min_rad),
+                          std::abs(info.angle_increment_rad) *
+                              (info.beams - 1)) > kMaxAngle_rad) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "scan of ", info.beams, " beams from angle_min ", scan.angle_min,
+        " by angle_increment ", scan.angle_increment,
+        " rad: more than two turns; are these degrees? Its driver must give "
+        "radians"));
   }
   if (is_good) return info;
   return absl::InvalidArgumentError(

@@ -69,6 +69,22 @@ TEST(LaserValuesTest, WhatIsNoLaserIsAnError) {
   EXPECT_FALSE(SensorInfoOf(scan).ok());
 }
 
+TEST(LaserValuesTest, AnglesInDegreesAreRefused) {
+  messages::LaserScan scan = Scan();
+  scan.angle_min = -135;
+  scan.angle_max = 135;
+  scan.angle_increment = 67.5;
+  const absl::Status status = SensorInfoOf(scan).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()),
+              testing::HasSubstr("are these degrees?"));
+  // A whole turn, and a beam more.
+  scan.angle_min = -3.14159F;
+  scan.angle_increment = 2 * 3.14159F / 4;
+  scan.angle_max = 3.14159F;
+  EXPECT_TRUE(SensorInfoOf(scan).ok());
+}
+
 TEST(LaserValuesTest, BeamsRunAsAngleMaxAndIncrementSay) {
   messages::LaserScan scan = Scan();
   // Clockwise.

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/parallel_for.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "server/core/training/edge_alignment.h"
+#include "server/core/training/pose_convention.h"
 #include "server/core/training/surface_consistency.h"
 
 namespace treeline::training {
@@ -257,10 +260,8 @@ struct LoadedFrames {
   std::vector<PosedDepth> depths;
 };
 
-absl::StatusOr<LoadedFrames> LoadFrames(const dataset::Dataset& dataset,
-                                        const CalibratorOptions& options,
-                                        bool quiet,
-                                        const std::stop_token& stop) {
+// Frames with depth and a pose.
+std::vector<int> UsableFrames(const dataset::Dataset& dataset) {
   std::vector<int> usable;
   for (int i = 0; i < dataset.size(); ++i) {
     if (dataset.frame(i).world_from_camera &&
@@ -268,6 +269,14 @@ absl::StatusOr<LoadedFrames> LoadFrames(const dataset::Dataset& dataset,
       usable.push_back(i);
     }
   }
+  return usable;
+}
+
+absl::StatusOr<LoadedFrames> LoadFrames(const dataset::Dataset& dataset,
+                                        const CalibratorOptions& options,
+                                        bool quiet,
+                                        const std::stop_token& stop) {
+  const std::vector<int> usable = UsableFrames(dataset);
   if (usable.size() < 2) {
     return absl::FailedPreconditionError(
         absl::StrCat(dataset.uri(),
@@ -304,6 +313,19 @@ absl::StatusOr<LoadedFrames> LoadFrames(const dataset::Dataset& dataset,
   return result;
 }
 
+absl::Status CheckConvention(const dataset::Dataset& dataset,
+                             const LoadedFrames& loaded, int threads) {
+  const std::optional<OtherConvention> other =
+      FindOtherConvention(loaded.depths, dataset.calibration(), threads);
+  if (!other) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "%s: poses and depth do not fit together: of the depth that they carry "
+      "into another frame, %.0f %% meets what was measured there. It would be "
+      "%.0f %% if %s: %s. docs/frames.md says what is expected",
+      dataset.uri(), 100 * other->agreement_as_read, 100 * other->agreement,
+      other->reading, other->remedy));
+}
+
 absl::Status CheckSizes(const LoadedFrames& loaded,
                         const camera::RgbdCalibration& nominal) {
   for (const image::Frame& frame : loaded.frames) {
@@ -335,6 +357,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
   TL_ASSIGN_OR_RETURN(const LoadedFrames loaded,
                       LoadFrames(dataset, options, quiet, stop));
   TL_RETURN_IF_ERROR(CheckSizes(loaded, nominal));
+  TL_RETURN_IF_ERROR(CheckConvention(dataset, loaded, options.threads));
   CalibrationReport report;
   report.frames = static_cast<int>(loaded.frames.size());
 
@@ -396,6 +419,17 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
   }
   report.calibration = Apply(nominal, x);
   return report;
+}
+
+absl::Status CheckPoses(const dataset::Dataset& dataset,
+                        const CalibratorOptions& options, bool quiet,
+                        const std::stop_token& stop) {
+  if (UsableFrames(dataset).size() < 2) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const LoadedFrames loaded,
+                      LoadFrames(dataset, options, quiet, stop));
+  // Pictures of another size than the cameras' are refused where they matter.
+  if (!CheckSizes(loaded, dataset.calibration()).ok()) return absl::OkStatus();
+  return CheckConvention(dataset, loaded, options.threads);
 }
 
 }  // namespace treeline::training

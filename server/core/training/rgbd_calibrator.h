@@ -45,11 +45,18 @@ struct CalibrationReport {
 // stays as they were found with it. Depth that is already registered gets its
 // scale alone. What few frames leave open stays near the nominal calibration.
 //
-// FAILED_PRECONDITION: fewer than two frames with depth and pose, or no two
-// that see the same surfaces. CANCELLED after `stop`.
+// FAILED_PRECONDITION: fewer than two frames with depth and pose, no two that
+// see the same surfaces, or poses that would fit the depth if they were meant
+// otherwise (pose_convention.h). CANCELLED after `stop`.
 absl::StatusOr<CalibrationReport> CalibrateRgbd(
     const dataset::Dataset& dataset, const CalibratorOptions& options,
     bool quiet, const std::stop_token& stop);
+
+// FAILED_PRECONDITION if the poses would fit the depth when meant otherwise
+// (pose_convention.h). Frames without depth or pose say nothing.
+absl::Status CheckPoses(const dataset::Dataset& dataset,
+                        const CalibratorOptions& options, bool quiet,
+                        const std::stop_token& stop);
 
 }  // namespace treeline::training
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/random.h"
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"
 
@@ -30,7 +31,7 @@ class RgbdCalibratorTest : public testing::Test {
     return Open(truth.pose_sensor);
   }
 
-  absl::StatusOr<dataset::Dataset> Open(camera::RgbdSensor pose_sensor) {
+  dataset::DatasetOptions Options(camera::RgbdSensor pose_sensor) {
     dataset::DatasetOptions options;
     options.uri = "7scenes:" + folder_;
     options.color_camera = "PINHOLE,145,145,100,75";
@@ -38,7 +39,11 @@ class RgbdCalibratorTest : public testing::Test {
     if (pose_sensor == camera::RgbdSensor::kColor) {
       options.pose_file = folder_ + "/poses.txt";
     }
-    return dataset::Dataset::Open(options);
+    return options;
+  }
+
+  absl::StatusOr<dataset::Dataset> Open(camera::RgbdSensor pose_sensor) {
+    return dataset::Dataset::Open(Options(pose_sensor));
   }
 
   std::string folder_;
@@ -139,6 +144,23 @@ TEST_F(RgbdCalibratorTest, DoesNotDependOnTheNumberOfThreads) {
   const auto four = CalibrateRgbd(*dataset, options, true, {});
   ASSERT_TRUE(one.ok() && four.ok());
   EXPECT_EQ(one->calibration, four->calibration);
+}
+
+TEST_F(RgbdCalibratorTest, PosesThatFitWhenMeantOtherwiseAreRefused) {
+  const auto right = Record(BoxRoomCalibration(), 40);
+  ASSERT_TRUE(right.ok()) << right.status();
+  EXPECT_TRUE(CheckPoses(*right, {}, true, {}).ok());
+  dataset::DatasetOptions options = Options(camera::RgbdSensor::kDepth);
+  options.depth_unit_m = 0.005;  // of a recording in millimetres
+  const auto wrong = dataset::Dataset::Open(options);
+  ASSERT_TRUE(wrong.ok()) << wrong.status();
+  for (const absl::Status& status :
+       {CheckPoses(*wrong, {}, true, {}),
+        CalibrateRgbd(*wrong, {}, true, {}).status()}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_THAT(std::string(status.message()),
+                testing::HasSubstr("a --depth-unit a fifth as large"));
+  }
 }
 
 TEST_F(RgbdCalibratorTest, SaysWhenThereIsTooLittleToGoBy) {

@@ -148,9 +148,12 @@ class PlaceLearner {
           options_.source, dataset.size(), kFewestFrames));
     }
     TL_RETURN_IF_ERROR(ChooseFrames(dataset));
+    const std::string left_out = learning::LeftOutText(dataset, method_);
+    if (!left_out.empty()) page_.notes.push_back("left out: " + left_out);
     steps_.End(absl::StrFormat(
-        "%d frames%s: %d to learn, %d held out for the test", dataset.size(),
-        imported, part_size_, held_out_->size()));
+        "%d frames%s: %d to learn, %d held out for the test%s%s",
+        dataset.size(), imported, part_size_, held_out_->size(),
+        left_out.empty() ? "" : "; left out: ", left_out));
     return absl::OkStatus();
   }
 
@@ -200,6 +203,9 @@ class PlaceLearner {
       result = "the map's own";
     } else if (source_.kind == SourceKind::kCapture || source_.has_cameras ||
                options_.calibration == "nominal") {
+      TL_RETURN_IF_ERROR(
+          training::CheckPoses(dataset, {.threads = options_.training.threads},
+                               options_.quiet, stop_));
       calibration_ = dataset.calibration();
       result = "the recording's own cameras";
     } else {

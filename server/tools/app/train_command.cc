@@ -12,6 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
+#include "server/core/training/rgbd_calibrator.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/tools/calibration_file.h"
 #include "server/tools/calibration_text.h"
@@ -108,9 +109,14 @@ absl::Status Complete(TrainFlags& flags) {
 
 // nullopt: to be estimated.
 absl::StatusOr<std::optional<camera::RgbdCalibration>> GivenCalibration(
-    const TrainFlags& flags, const dataset::Dataset& dataset) {
+    const TrainFlags& flags, const dataset::Dataset& dataset,
+    const std::stop_token& stop) {
   if (flags.calibration == "auto") return std::nullopt;
-  if (flags.calibration == "nominal") return dataset.calibration();
+  if (flags.calibration == "nominal") {
+    TL_RETURN_IF_ERROR(training::CheckPoses(
+        dataset, {.threads = flags.training.threads}, flags.quiet, stop));
+    return dataset.calibration();
+  }
   TL_ASSIGN_OR_RETURN(camera::RgbdCalibration calibration,
                       tools::ReadCalibrationFile(flags.calibration));
   // The cameras are the file's; whose poses these are, the recording knows.
@@ -170,10 +176,15 @@ absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
                       dataset::Dataset::Open(flags.dataset));
   TL_RETURN_IF_ERROR(
       learning::CheckLearnable(dataset, flags.method, flags.dataset.uri));
+  if (const std::string left_out = learning::LeftOutText(dataset, flags.method);
+      !left_out.empty()) {
+    std::printf("left out          %s\n", left_out.c_str());
+  }
   absl::Status trials_written;
   training::SceneTrainingOptions options = CommonOptions(flags, trials_written);
   options.method = flags.method;
-  TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
+  TL_ASSIGN_OR_RETURN(options.calibration,
+                      GivenCalibration(flags, dataset, stop));
   options.on_calibrated = [](const training::CalibrationReport& report) {
     std::fputs(tools::CalibrationText(report).c_str(), stdout);
     std::fflush(stdout);  // growing the forest takes a while

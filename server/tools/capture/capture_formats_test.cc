@@ -19,6 +19,7 @@
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/testing_captures.h"
 #include "server/tools/capture/transforms_json.h"
+#include "server/tools/capture/video_reader.h"
 
 namespace treeline::capture {
 namespace {
@@ -50,10 +51,11 @@ std::string ErrorOf(const std::string& frames,
 }
 
 TEST(TransformsTest, CamerasOfFileAndFrame) {
-  const auto parsed = Parse(
-      absl::StrCat(FrameJson(R"("file_path":"./b_10.jpg","fl_x":600,"k1":0.1)"),
-                   ",", FrameJson(R"("file_path":"b_9.jpg")")),
-      R"("cx":300,"fl_y":510,)");
+  const auto parsed =
+      Parse(absl::StrCat(
+                FrameJson(R"("file_path":".\\b_10.jpg","fl_x":600,"k1":0.1)"),
+                ",", FrameJson(R"("file_path":"b_9.jpg")")),
+            R"("cx":300,"fl_y":510,)");
   ASSERT_TRUE(parsed.ok()) << parsed.status();
   ASSERT_EQ(parsed->frames.size(), 2u);
   EXPECT_EQ(parsed->frames[0].file_path, "b_9.jpg");
@@ -61,6 +63,21 @@ TEST(TransformsTest, CamerasOfFileAndFrame) {
   EXPECT_EQ(parsed->frames[1].file_path, "b_10.jpg");
   EXPECT_EQ(parsed->frames[1].camera.ToString(),
             "OPENCV,600,510,299.5,239.5,0.1,0,0,0");
+}
+
+TEST(TransformsTest, PicturesThatStandTwiceAreNamed) {
+  const std::string a = FrameJson(R"("file_path":"a.jpg")");
+  const std::string b = FrameJson(R"("file_path":"b.jpg")");
+  const std::string c = FrameJson(R"("file_path":"c.jpg")");
+  const auto parsed =
+      Parse(absl::StrCat(a, ",", a, ",", b, ",", c, ",", c), "");
+  ASSERT_TRUE(parsed.ok()) << parsed.status();
+  ASSERT_EQ(parsed->frames.size(), 3u);
+  EXPECT_EQ(parsed->frames[1].file_path, "b.jpg");
+  EXPECT_EQ(parsed->frames[2].file_path, "c.jpg");
+  EXPECT_THAT(parsed->left_out.Lines(),
+              testing::ElementsAre("2 frames: its file_path is that of another "
+                                   "frame (the first: a.jpg)"));
 }
 
 TEST(TransformsTest, FisheyeAndFieldOfView) {
@@ -95,7 +112,7 @@ TEST(TransformsTest, ScaleOfLengthsAndUnitOfDepth) {
 
 TEST(TransformsTest, PathsStayInTheFolder) {
   for (const char* path : {"../../etc/passwd", "/etc/passwd", "a/../../b.jpg",
-                           "", "./", "a\\u0000.jpg"}) {
+                           "", "./", "a\\u0000.jpg", "..\\\\b.jpg"}) {
     EXPECT_THAT(
         ErrorOf(FrameJson(absl::StrCat(R"("file_path":")", path, "\""))),
         HasSubstr("transforms.json: frames[0]"))
@@ -303,6 +320,15 @@ TEST_F(BrokenCaptureTest, APlaylistIsNoVideo) {
                 "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:0\n#EXTINF:10.0,\n"
                 "file:///etc/passwd\n#EXT-X-ENDLIST\n");
   EXPECT_THAT(Import().status().message(), HasSubstr("is no video"));
+}
+
+TEST_F(BrokenCaptureTest, AnEmptyVideoIsNamed) {
+  folder_.Write("walk.mp4", "");
+  const absl::Status status =
+      VideoReader::Open(folder_.Path("walk.mp4")).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("walk.mp4"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("it is empty"));
 }
 
 TEST_F(BrokenCaptureTest, AVideoThatEndsEarlyLosesTheRest) {

@@ -164,13 +164,16 @@ absl::StatusOr<camera::Camera> CameraOf(const Entry& entry,
   return camera;
 }
 
-// A path of the file, relative to its folder, without a leading "./".
+// A path of the file, relative to its folder, without a leading "./". Programs
+// on Windows write it with backslashes.
 absl::StatusOr<std::string> PathOf(const Json& frame, const char* name,
                                    const std::string& where) {
   const auto found = frame.find(name);
   if (found == frame.end()) return "";
-  absl::string_view path;
-  if (found->is_string()) path = found->get_ref<const std::string&>();
+  std::string written;
+  if (found->is_string()) written = found->get_ref<const std::string&>();
+  std::ranges::replace(written, '\\', '/');
+  absl::string_view path = written;
   while (absl::ConsumePrefix(&path, "./")) {
   }
   if (path.empty() || dataset::LeadsOutside(path) ||
@@ -293,13 +296,15 @@ absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
   }
   std::ranges::stable_sort(result.frames, NaturalLess,
                            &TransformsFrame::file_path);
-  const auto twice =
-      std::ranges::unique(result.frames, {}, &TransformsFrame::file_path);
-  for (const TransformsFrame& frame : twice) {
-    result.left_out.Add("its file_path is that of another frame",
-                        frame.file_path);
-  }
-  result.frames.erase(twice.begin(), twice.end());
+  std::string last;
+  std::erase_if(result.frames, [&](const TransformsFrame& frame) {
+    if (frame.file_path != last) {
+      last = frame.file_path;
+      return false;
+    }
+    result.left_out.Add("its file_path is that of another frame", last);
+    return true;
+  });
   return result;
 }
 

@@ -85,6 +85,7 @@ class OpenCvVideo final : public VideoReader {
     TL_ASSIGN_OR_RETURN(const base::InputFile file,
                         base::InputFile::Open(path_));
     std::array<uint8_t, 8> head{};
+    if (file.size() < head.size()) return NoVideo("it is empty, or cut off");
     TL_RETURN_IF_ERROR(file.ReadAt(0, head));
     const absl::string_view type(reinterpret_cast<const char*>(head.data()) + 4,
                                  4);

@@ -159,4 +159,21 @@ absl::Status CheckLearnable(const dataset::Dataset& dataset,
       "docs/how-to/learn-from-photographs.md"));
 }
 
+std::string LeftOutText(const dataset::Dataset& dataset,
+                        const std::string& method) {
+  int without_pose = 0;
+  int without_depth = 0;
+  for (int i = 0; i < dataset.size(); ++i) {
+    const dataset::DatasetFrame& frame = dataset.frame(i);
+    if (!frame.world_from_camera) {
+      ++without_pose;
+    } else if (frame.depth_path.empty() && method != "sift") {
+      ++without_depth;
+    }
+  }
+  if (without_pose + without_depth == 0) return "";
+  return absl::StrCat(without_pose, " frames without a pose, ", without_depth,
+                      " without depth, of ", dataset.size());
+}
+
 }  // namespace treeline::learning

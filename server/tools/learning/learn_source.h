@@ -47,6 +47,10 @@ absl::Status CheckLearnable(const dataset::Dataset& dataset,
                             const std::string& method,
                             const std::string& given);
 
+// How many frames `method` cannot use, for people; empty: none.
+std::string LeftOutText(const dataset::Dataset& dataset,
+                        const std::string& method);
+
 }  // namespace treeline::learning
 
 #endif  // SERVER_TOOLS_LEARNING_LEARN_SOURCE_H_

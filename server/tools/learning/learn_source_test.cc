@@ -98,6 +98,14 @@ TEST_F(LearnSourceTest, WithoutPosesItSaysHowToGetThem) {
   EXPECT_TRUE(CheckLearnable(with.Open(), "universal", "x").ok());
 }
 
+TEST_F(LearnSourceTest, SaysWhichFramesAreLeftOut) {
+  const tools::SmallRecording all(3, {{}, {}, {}});
+  EXPECT_EQ(LeftOutText(all.Open(), "universal"), "");
+  const tools::SmallRecording two(3, {{}, {}});
+  EXPECT_EQ(LeftOutText(two.Open(), "universal"),
+            "1 frames without a pose, 0 without depth, of 3");
+}
+
 TEST_F(LearnSourceTest, WithoutDepthOrStructureItSaysWhatIsNeeded) {
   const tools::SmallRecording recording(3, {{}, {}, {}});
   EXPECT_THAT(CheckLearnable(recording.Open(), "sift", "x").message(),
