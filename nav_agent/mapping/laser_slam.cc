@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -9,9 +10,11 @@
 #include "absl/strings/str_format.h"
 #include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/mapping/keyscan.h"
 #include "nav_agent/mapping/loop_worker.h"
 #include "nav_agent/mapping/scan_plane.h"
 #include "nav_agent/mapping/traversed_ground.h"
+#include "nav_agent/mapping/window_matcher.h"
 
 namespace treeline::mapping {
 namespace {
@@ -27,6 +30,8 @@ bool HasMoved(const geometry::Rigid2& motion, double length_m,
          std::abs(motion.yaw_rad) >= angle_rad;
 }
 
+// So many keyscans tell whether the robot was carried off.
+constexpr size_t kTellingKeyscans = 3;
 // A tilt that is none (rad).
 constexpr double kLevel_rad = 1e-4;
 // How much a turn counts beside a way, when corrections are spread (m per rad).
@@ -37,46 +42,24 @@ constexpr double kMinShareOfWay = 0.5;
 constexpr double kMaxShareOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
 
-// See Match: factor on odometry noise, and the gain that it must bring.
-constexpr double kLooseOdometryFactor = 10;
-constexpr double kClearlyBetter = 0.02;
 // The usual response, of a running mean: where it begins, and how fast it
 // follows.
 constexpr double kFirstResponse = 0.7;
 constexpr double kResponseRate = 0.05;
-// Coarse cells are this many times as large; the search on fine ones about
-// what was found.
-constexpr double kCoarse = 2.5;
-constexpr double kFineSearch_cells = 1.5;
-constexpr double kFineSearch_rad = 0.03;
-
 bool IsTilted(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
 }
 
-struct Keyscan {
-  std::shared_ptr<const ScanOutline> scan;
-  geometry::Rigid2 map_from_base;
-  double height_m = 0;
-  // Of the ground, in the base's axes.
-  geometry::Vec2 slope;
-
-  ScanPlane Plane() const {
-    return {.at = map_from_base.translation,
-            .height_m = height_m,
-            .slope = TurnedBy(map_from_base.yaw_rad, slope)};
-  }
-};
-
-geometry::Vec3 PlaceOf(const Keyscan& keyscan) {
-  const geometry::Vec2 at = keyscan.map_from_base.translation;
-  return {at.x, at.y, keyscan.height_m};
-}
+// The keyscan of a scan of which nobody knows where it was taken.
+constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
+// So long before a robot is in doubt it may have been lifted, and so long after
+// it was put down it may sway (s).
+constexpr double kCarried_s = 0.3;
 
 // A scan's place, tied to the keyscan before it so that it moves with it.
 struct ScanPlace {
   recording::RecordingTime stamp;
-  size_t keyscan = 0;
+  size_t keyscan = 0;  // or kNowhere
   geometry::Rigid2 keyscan_from_base;
   double climb_m = 0;  // since the keyscan
   geometry::Rotation3 level_from_base;
@@ -96,11 +79,17 @@ class LaserSlamOnThread final : public LaserSlam {
                            base_from_laser.translation.z >
                                2 * options.ground_margin_m),
         doubt_(options.odometry, options.search_sigmas),
+        watch_(options.carries),
+        finder_(options.segments, options.matcher),
         worker_(LoopCloser(options.loops, options.matcher, options.graph),
                 options.synchronous) {}
 
   absl::StatusOr<geometry::Rigid2> AddScan(const LaserSlamScan& scan) override;
   double Height_m() const override { return height_m_; }
+  bool IsLost() const override { return is_lost_; }
+  bool SuggestPlace(recording::RecordingTime stamp,
+                    const geometry::Rigid2& map_from_base,
+                    double height_m) override;
   void Finish() override {
     worker_.Finish(options_.polish_rounds);
     ApplyCorrection();
@@ -118,19 +107,8 @@ class LaserSlamOnThread final : public LaserSlam {
  private:
   absl::Status Check(const LaserSlamScan& scan) const;
   void ApplyCorrection();
-  // The scan among references, near to a guess; and, if it responds poorly
-  // there, farther from it.
-  ScanMatch FindNear(std::span<const PlacedScan> references,
-                     const ScanOutline& scan, const geometry::Rigid2& guess,
-                     const MatchSearch& search) const;
-  ScanMatch FindWidely(std::span<const PlacedScan> references,
-                       const ScanOutline& scan, const geometry::Rigid2& guess,
-                       const MatchSearch& search, double half_angle_rad) const;
-  ScanMatch FindInWindow(std::span<const PlacedScan> references,
-                         const ScanOutline& scan, const geometry::Rigid2& guess,
-                         const MatchSearch& search);
   // Finds the robot, from a prediction; false: odometry has to do.
-  bool Match(const ScanOutline& scan, geometry::Vec2 slope,
+  bool Match(const ScanOutline& scan, const LaserSlamScan& taken,
              const MatchSearch& search, Covariance3* covariance);
   struct Window {
     std::vector<PlacedScan> references;
@@ -146,6 +124,13 @@ class LaserSlamOnThread final : public LaserSlam {
   // Matches the scan against the window; its covariance, by odometry where it
   // does not match.
   Covariance3 Locate(const ScanOutline& outline, const LaserSlamScan& scan);
+  // Of a robot whose wheels stand: whether it sees something else than before,
+  // and only whether that can be where it is. People before it move nothing.
+  bool IsElsewhere(const LaserSlamScan& scan) const {
+    return options_.notices_carries &&
+           (watch_.in_doubt() || watch_.HasChanged(scan.ranges_m));
+  }
+  void Glance(const ScanOutline& outline, const LaserSlamScan& scan);
   // Spreads what matching has corrected over the scans since the last match.
   void SpreadCorrection(const geometry::Rigid2& map_from_predicted);
   void FollowWay(const geometry::Rigid2& map_from_predicted);
@@ -153,6 +138,18 @@ class LaserSlamOnThread final : public LaserSlam {
                   const LaserSlamScan& scan,
                   const Covariance3& covariance_in_map);
   void AddPlace(const LaserSlamScan& scan);
+  // ---- carried off ----
+  bool Doubts(const ScanOutline& scan, const geometry::Rotation3& level,
+              const geometry::Rigid2& map_from_scan, double response) const;
+  // What hangs together with the scan in hand.
+  std::span<const Keyscan> Segment() const {
+    return std::span(keyscans_).subspan(segment_begin_);
+  }
+  // Nobody knows any more where the robot is: a segment begins.
+  void LoseWay(const LaserSlamScan& scan);
+  void LookForSegment(recording::RecordingTime stamp);
+  // The segment hangs on the map.
+  void Join(const SegmentLink& link);
 
   const core::RangeSensorInfo laser_;
   const geometry::Rigid3 base_from_laser_;
@@ -178,10 +175,20 @@ class LaserSlamOnThread final : public LaserSlam {
   TraversedGround ground_;
   const bool leaves_out_ground_;
   OdometryDoubt doubt_;
+  CarryWatch watch_;
+  SegmentFinder finder_;
+  // What map_from_base says is of a frame of its own since this keyscan: the
+  // segment's. Its keyscans are not the loop closer's yet.
+  bool is_lost_ = false;
+  size_t segment_begin_ = 0;
+  recording::RecordingTime segment_since_;
+  std::vector<NewKeyscan> of_segment_;
   // Of keyscans since the last match that did not match: odometry's errors add
   // up until one does.
   OdometryDoubt::Sigma unmatched_;
   bool has_matched_ = false;  // the scan in hand
+  bool stands_ = false;       // since the last scan that was matched
+  bool is_doubtful_ = false;  // it cannot be of where the robot seems to be
   // How scans respond usually.
   double usual_response_ = kFirstResponse;
   LaserSlamStatistics statistics_;
@@ -218,7 +225,8 @@ void LaserSlamOnThread::ApplyCorrection() {
       last.map_from_base * keyscans_[known - 1].map_from_base.Inverse();
   const double rise_m = last.height_m - keyscans_[known - 1].height_m;
   ground_.Clear();
-  for (size_t i = 0; i < keyscans_.size(); ++i) {
+  const size_t in_map = is_lost_ ? segment_begin_ : keyscans_.size();
+  for (size_t i = 0; i < in_map; ++i) {
     Keyscan& keyscan = keyscans_[i];
     if (i < known) {
       keyscan.map_from_base = (*corrected)[i].map_from_base;
@@ -227,8 +235,9 @@ void LaserSlamOnThread::ApplyCorrection() {
       keyscan.map_from_base = new_from_old * keyscan.map_from_base;
       keyscan.height_m += rise_m;
     }
-    ground_.Add(PlaceOf(keyscan));
+    ground_.Add(keyscan.Place());
   }
+  if (is_lost_) return;
   map_from_base_ = new_from_old * map_from_base_;
   map_from_matched_ = new_from_old * map_from_matched_;
   height_m_ += rise_m;
@@ -252,7 +261,7 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   Window alike;
   Window all;
   const size_t count =
-      std::min(keyscans_.size(), static_cast<size_t>(options_.window));
+      std::min(Segment().size(), static_cast<size_t>(options_.window));
   for (size_t i = keyscans_.size() - count; i < keyscans_.size(); ++i) {
     const Keyscan& keyscan = keyscans_[i];
     const ScanPlane other = keyscan.Plane();
@@ -274,85 +283,45 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   return all;
 }
 
-ScanMatch LaserSlamOnThread::FindNear(std::span<const PlacedScan> references,
-                                      const ScanOutline& scan,
-                                      const geometry::Rigid2& guess,
-                                      const MatchSearch& search) const {
-  const SurfaceGrid grid =
-      MakeSurfaceGrid(references, scan, guess, search, options_.matcher);
-  ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
-  // Noise stands for small errors. Wheels that spin are wrong by far more: what
-  // then fits clearly better with hardly any odometry is accepted.
-  MatchSearch loose_search = search;
-  loose_search.guess_sigma_m *= kLooseOdometryFactor;
-  loose_search.guess_sigma_rad *= kLooseOdometryFactor;
-  const ScanMatch other = RefineMatch(grid, scan, match.target_from_scan, guess,
-                                      loose_search, options_.matcher);
-  return other.response > match.response + kClearlyBetter ? other : match;
-}
-
-ScanMatch LaserSlamOnThread::FindWidely(std::span<const PlacedScan> references,
-                                        const ScanOutline& scan,
-                                        const geometry::Rigid2& guess,
-                                        const MatchSearch& search,
-                                        double half_angle_rad) const {
-  // On coarse cells first, where odometry says next to nothing.
-  ScanMatcherOptions coarse = options_.matcher;
-  coarse.cell_m *= kCoarse;
-  coarse.sigma_m *= kCoarse;
-  const MatchSearch wide = {
-      .half_extent_m = options_.max_search_m,
-      .half_angle_rad = half_angle_rad,
-      .guess_sigma_m = std::max(search.guess_sigma_m, options_.max_search_m),
-      .guess_sigma_rad = std::max(search.guess_sigma_rad, half_angle_rad)};
-  const SurfaceGrid grid =
-      MakeSurfaceGrid(references, scan, guess, wide, coarse);
-  const geometry::Rigid2 rough =
-      MatchScan(grid, scan, guess, wide, coarse).target_from_scan;
-  MatchSearch fine = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
-                      .half_angle_rad = kFineSearch_rad,
-                      .guess_sigma_m = wide.guess_sigma_m,
-                      .guess_sigma_rad = wide.guess_sigma_rad};
-  const ScanMatch elsewhere = FindNear(references, scan, rough, fine);
-  // Wheels that spin turn the robot more than they move it: where all places
-  // along a corridor fit, it is still where odometry has it.
-  fine.half_extent_m = std::max(fine.half_extent_m, search.half_extent_m);
-  fine.guess_sigma_m = search.guess_sigma_m;
-  const ScanMatch turned =
-      FindNear(references, scan, {guess.translation, rough.yaw_rad}, fine);
-  return elsewhere.response > turned.response + kClearlyBetter ? elsewhere
-                                                               : turned;
-}
-
-ScanMatch LaserSlamOnThread::FindInWindow(
-    std::span<const PlacedScan> references, const ScanOutline& scan,
-    const geometry::Rigid2& guess, const MatchSearch& search) {
-  ScanMatch match = FindNear(references, scan, guess, search);
-  const double enough =
-      std::max(options_.min_response, usual_response_ - options_.poor_response);
-  for (const double half_angle_rad :
-       {options_.max_search_rad, options_.lost_search_rad}) {
-    if (match.response >= enough) break;
-    ++statistics_.searched_widely;
-    const ScanMatch other =
-        FindWidely(references, scan, guess, search, half_angle_rad);
-    if (other.response < match.response + options_.better_response) continue;
-    ++statistics_.found_widely;
-    match = other;
+bool LaserSlamOnThread::Doubts(const ScanOutline& scan,
+                               const geometry::Rotation3& level,
+                               const geometry::Rigid2& map_from_scan,
+                               double response) const {
+  if (!options_.notices_carries || Segment().size() < kTellingKeyscans) {
+    return false;
   }
-  return match;
+  return watch_.IsDoubtful({.response = response,
+                            .usual_response = usual_response_,
+                            .stands = stands_,
+                            .is_matched = response >= options_.min_response,
+                            .level_from_base = level,
+                            .keyscans = Segment(),
+                            .scan = &scan,
+                            .map_from_base = map_from_scan});
 }
 
-bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
+bool LaserSlamOnThread::Match(const ScanOutline& scan,
+                              const LaserSlamScan& taken,
                               const MatchSearch& search,
                               Covariance3* covariance) {
   if (static_cast<int>(scan.size()) < options_.min_points) return false;
   const geometry::Rigid2 guess = map_from_base_;
+  const geometry::Vec2 slope = SlopeUnder(taken.level_from_base);
   const Window window = WindowFor({.at = guess.translation,
                                    .height_m = height_m_,
                                    .slope = TurnedBy(guess.yaw_rad, slope)});
-  const ScanMatch match = FindInWindow(window.references, scan, guess, search);
-  if (match.response < options_.min_response) return false;
+  const double enough =
+      std::max(options_.min_response, usual_response_ - options_.poor_response);
+  const WindowMatch found =
+      MatchInWindow(window.references, scan, guess, search, enough, options_);
+  statistics_.searched_widely += found.searched_widely;
+  const ScanMatch& match = found.match;
+  const bool matches = match.response >= options_.min_response;
+  is_doubtful_ =
+      Doubts(scan, taken.level_from_base,
+             matches ? match.target_from_scan : guess, match.response);
+  if (!matches || is_doubtful_) return false;
+  statistics_.found_widely += found.found_widely;
   usual_response_ += kResponseRate * (match.response - usual_response_);
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
@@ -425,6 +394,7 @@ void LaserSlamOnThread::SpreadCorrection(
       (map_from_base_.translation - map_from_predicted.translation);
   for (size_t i = matched_place_ + 1; i < places_.size(); ++i) {
     ScanPlace& place = places_[i];
+    if (place.keyscan == kNowhere) continue;
     const double part = (place.way_m - matched_way_m_) / length_m;
     geometry::Rigid2& keyscan_from_base = place.keyscan_from_base;
     keyscan_from_base.translation = keyscan_from_base.translation + part * off;
@@ -447,6 +417,20 @@ void LaserSlamOnThread::FollowWay(const geometry::Rigid2& map_from_predicted) {
   }
 }
 
+void LaserSlamOnThread::Glance(const ScanOutline& outline,
+                               const LaserSlamScan& scan) {
+  const geometry::Rigid2 map_from_base = map_from_base_;
+  const double usual_response = usual_response_;
+  Covariance3 unused{};
+  stands_ = true;
+  Match(outline, scan,
+        SearchAfter(odom_from_matched_.Inverse() * scan.odom_from_base),
+        &unused);
+  stands_ = false;
+  map_from_base_ = map_from_base;
+  usual_response_ = usual_response;
+}
+
 Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
                                       const LaserSlamScan& scan) {
   ++statistics_.looked_at;
@@ -454,8 +438,7 @@ Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
       odom_from_matched_.Inverse() * scan.odom_from_base;
   const geometry::Rigid2 map_from_predicted = map_from_base_;
   Covariance3 covariance{};
-  if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
-            &covariance)) {
+  if (Match(outline, scan, SearchAfter(since_match), &covariance)) {
     has_matched_ = true;
     unmatched_ = {};
     doubt_.Learn(since_match, map_from_predicted.Inverse() * map_from_base_);
@@ -488,7 +471,7 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
   NewKeyscan added = {.scan = outline,
                       .previous_from_this = {},
                       .slope = SlopeUnder(scan.level_from_base)};
-  if (!keyscans_.empty()) {
+  if (!Segment().empty()) {
     const Keyscan& previous = keyscans_.back();
     added.previous_from_this =
         previous.map_from_base.Inverse() * map_from_base_;
@@ -500,8 +483,8 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
                        .map_from_base = map_from_base_,
                        .height_m = height_m_,
                        .slope = added.slope});
-  ground_.Add(PlaceOf(keyscans_.back()));
-  if (!has_matched_ && keyscans_.size() > 1) {
+  if (!is_lost_) ground_.Add(keyscans_.back().Place());
+  if (!has_matched_ && Segment().size() > 1) {
     const OdometryDoubt::Sigma sigma =
         doubt_.SigmaOf(odom_from_matched_.Inverse() * scan.odom_from_base);
     unmatched_ = {.m = std::hypot(unmatched_.m, sigma.m),
@@ -513,7 +496,11 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
   climb_since_match_m_ = 0;
   matched_place_ = places_.size();
   matched_way_m_ = way_m_;
-  worker_.Add(std::move(added));
+  if (is_lost_) {
+    of_segment_.push_back(std::move(added));
+  } else {
+    worker_.Add(std::move(added));
+  }
 }
 
 void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
@@ -527,6 +514,11 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
     place.keyscan = keyscans_.size() - 1;
     place.keyscan_from_base = keyscan.map_from_base.Inverse() * map_from_base_;
     place.climb_m = height_m_ - keyscan.height_m;
+  }
+  if (is_lost_ &&
+      (Segment().empty() ||
+       recording::SecondsBetween(segment_since_, scan.stamp) < kCarried_s)) {
+    place.keyscan = kNowhere;
   }
   places_.push_back(place);
   odom_from_last_ = scan.odom_from_base;
@@ -548,30 +540,162 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
     const geometry::Rigid2& odom_from_base = scan.odom_from_base;
     is_keyscan = HasMoved(odom_from_keyscan_.Inverse() * odom_from_base,
                           options_.keyscan_m, options_.keyscan_rad);
-    if (is_keyscan || HasMoved(odom_from_matched_.Inverse() * odom_from_base,
-                               options_.still_m, options_.still_rad)) {
+    const bool has_moved =
+        HasMoved(odom_from_matched_.Inverse() * odom_from_base,
+                 options_.still_m, options_.still_rad);
+    if (is_keyscan || has_moved || IsElsewhere(scan)) {
       outline = OutlineOf(scan);
-      covariance = Locate(*outline, scan);
+      is_doubtful_ = false;
+      if (is_keyscan || has_moved) {
+        covariance = Locate(*outline, scan);
+      } else {
+        Glance(*outline, scan);
+      }
+      watch_.Note(scan.ranges_m);
+      if (watch_.Add(is_doubtful_, scan.stamp)) LoseWay(scan);
+      // What is in doubt is no reference; what a segment begins with is.
+      is_keyscan = is_lost_ && Segment().empty() ? !outline->empty()
+                                                 : is_keyscan && !is_doubtful_;
     }
   }
   statistics_.front_end_ms.push_back(base::ThreadProcessorTime_ms() - start_ms);
   if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
   AddPlace(scan);
   ++statistics_.scans;
+  if (is_lost_) LookForSegment(scan.stamp);
   return map_from_base_;
+}
+
+void LaserSlamOnThread::LoseWay(const LaserSlamScan& scan) {
+  const recording::RecordingTime since = watch_.since();
+  watch_.Reset();
+  if (is_lost_) {
+    // Again: of what was seen meanwhile nobody will know where it was.
+    keyscans_.resize(segment_begin_);
+    of_segment_.clear();
+  } else {
+    statistics_.carries.push_back({.at = since, .found = {}});
+  }
+  for (size_t i = places_.size(); i-- > 0;) {
+    const bool is_before =
+        recording::SecondsBetween(places_[i].stamp, since) > kCarried_s &&
+        places_[i].keyscan < keyscans_.size();
+    if (is_before) break;
+    places_[i].keyscan = kNowhere;
+  }
+  is_lost_ = true;
+  segment_begin_ = keyscans_.size();
+  segment_since_ = scan.stamp;
+  unmatched_ = {};
+  has_matched_ = true;
+  usual_response_ = std::max(usual_response_, kFirstResponse);
+  finder_.Begin();
+  // It may all have been people in front of it.
+  finder_.Suggest({}, 0, /*was_seen=*/false);
+}
+
+void LaserSlamOnThread::LookForSegment(recording::RecordingTime stamp) {
+  const std::optional<SegmentLink> link =
+      finder_.Step(std::span(keyscans_).first(segment_begin_), Segment());
+  if (!link.has_value()) return;
+  statistics_.carries.back().found = stamp;
+  statistics_.carries.back().was_seen = link->was_seen;
+  Join(*link);
+}
+
+void LaserSlamOnThread::Join(const SegmentLink& link) {
+  const geometry::Rigid2& map_from_segment = link.map_from_segment;
+  for (size_t i = segment_begin_; i < keyscans_.size(); ++i) {
+    Keyscan& keyscan = keyscans_[i];
+    keyscan.map_from_base = map_from_segment * keyscan.map_from_base;
+    keyscan.height_m += link.rise_m;
+    ground_.Add(keyscan.Place());
+  }
+  map_from_base_ = map_from_segment * map_from_base_;
+  map_from_matched_ = map_from_segment * map_from_matched_;
+  height_m_ += link.rise_m;
+  is_lost_ = false;
+  // The first of the segment hangs where the one that was found says; what is
+  // not known of that one's yaw moves the first.
+  const Keyscan& from = keyscans_[link.map_keyscan];
+  const Keyscan& first = keyscans_[segment_begin_];
+  const Keyscan& found = keyscans_[segment_begin_ + link.segment_keyscan];
+  NewKeyscan& tied = of_segment_.front();
+  tied.tied_to = static_cast<int>(link.map_keyscan);
+  tied.previous_from_this = from.map_from_base.Inverse() * first.map_from_base;
+  tied.climb_m = first.height_m - from.height_m;
+  Covariance3 covariance = link.covariance;
+  for (size_t i = 1; i <= link.segment_keyscan; ++i) {
+    const Covariance3& step = of_segment_[i].covariance;
+    const double variance_m2 = std::max(step[0], step[4]);
+    covariance[0] += variance_m2;
+    covariance[4] += variance_m2;
+    covariance[8] += step[8];
+  }
+  const double arm_m = geometry::Norm(first.map_from_base.translation -
+                                      found.map_from_base.translation);
+  covariance[0] += covariance[8] * arm_m * arm_m;
+  covariance[4] += covariance[8] * arm_m * arm_m;
+  tied.covariance = Turned(covariance, -from.map_from_base.yaw_rad);
+  for (NewKeyscan& keyscan : of_segment_) worker_.Add(std::move(keyscan));
+  of_segment_.clear();
+  segment_begin_ = 0;
+}
+
+bool LaserSlamOnThread::SuggestPlace(recording::RecordingTime stamp,
+                                     const geometry::Rigid2& map_from_base,
+                                     double height_m) {
+  if (!is_lost_) return false;
+  const auto after = std::lower_bound(
+      places_.begin(), places_.end(), stamp,
+      [](const ScanPlace& place, recording::RecordingTime time) {
+        return place.stamp < time;
+      });
+  if (after == places_.end() || after == places_.begin() ||
+      after->keyscan == kNowhere || after->keyscan < segment_begin_ ||
+      (after - 1)->keyscan == kNowhere) {
+    return false;
+  }
+  const auto segment_from = [this](const ScanPlace& place) {
+    return keyscans_[place.keyscan].map_from_base * place.keyscan_from_base;
+  };
+  const ScanPlace& before = *(after - 1);
+  const geometry::Rigid2 segment_from_before = segment_from(before);
+  const geometry::Rigid2 motion =
+      segment_from_before.Inverse() * segment_from(*after);
+  const double length_s = recording::SecondsBetween(before.stamp, after->stamp);
+  const double part =
+      length_s > 0 ? recording::SecondsBetween(before.stamp, stamp) / length_s
+                   : 1;
+  const geometry::Rigid2 segment_from_base =
+      segment_from_before *
+      geometry::Rigid2{part * motion.translation, part * motion.yaw_rad};
+  const double segment_height_m =
+      keyscans_[after->keyscan].height_m + after->climb_m;
+  finder_.Suggest(map_from_base * segment_from_base.Inverse(),
+                  height_m - segment_height_m, /*was_seen=*/true);
+  return true;
 }
 
 std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
   std::vector<TrajectoryPose> trajectory;
   trajectory.reserve(places_.size());
+  const size_t in_map = is_lost_ ? segment_begin_ : keyscans_.size();
   for (const ScanPlace& place : places_) {
+    // While it is in doubt whether it was carried off, it may have been.
+    const bool is_in_doubt =
+        watch_.in_doubt() &&
+        recording::SecondsBetween(place.stamp, watch_.since()) <= kCarried_s;
+    const bool is_known =
+        !is_in_doubt && (keyscans_.empty() || place.keyscan < in_map);
     const Keyscan keyscan =
-        keyscans_.empty() ? Keyscan{} : keyscans_[place.keyscan];
+        keyscans_.empty() || !is_known ? Keyscan{} : keyscans_[place.keyscan];
     trajectory.push_back(
         {.stamp = place.stamp,
          .map_from_base = keyscan.map_from_base * place.keyscan_from_base,
          .height_m = keyscan.height_m + place.climb_m,
-         .level_from_base = place.level_from_base});
+         .level_from_base = place.level_from_base,
+         .is_known = is_known});
   }
   return trajectory;
 }
