@@ -51,7 +51,7 @@ bool CarryWatch::IsDoubtful(const Evidence& evidence) const {
     return found.Share() > options_.max_contradicted_standing;
   }
   return found.Share() > options_.max_contradicted ||
-         (evidence.is_matched && poorer > options_.very_poor_response &&
+         (evidence.is_found_widely && poorer > options_.very_poor_response &&
           found.Share() > options_.some_contradicted);
 }
 

@@ -59,7 +59,8 @@ class CarryWatch {
     double usual_response = 0;
     // The wheels stand, so that only people or a carry change what is seen.
     bool stands = false;
-    bool is_matched = false;
+    // It matches somewhere else than where odometry has it.
+    bool is_found_widely = false;
     geometry::Rotation3 level_from_base;
     // Asked only if the scan responds poorly.
     std::span<const Keyscan> keyscans;

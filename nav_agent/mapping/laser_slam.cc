@@ -30,8 +30,6 @@ bool HasMoved(const geometry::Rigid2& motion, double length_m,
          std::abs(motion.yaw_rad) >= angle_rad;
 }
 
-// So many keyscans tell whether the robot was carried off.
-constexpr size_t kTellingKeyscans = 3;
 // A tilt that is none (rad).
 constexpr double kLevel_rad = 1e-4;
 // How much a turn counts beside a way, when corrections are spread (m per rad).
@@ -140,7 +138,8 @@ class LaserSlamOnThread final : public LaserSlam {
   void AddPlace(const LaserSlamScan& scan);
   // ---- carried off ----
   bool Doubts(const ScanOutline& scan, const geometry::Rotation3& level,
-              const geometry::Rigid2& map_from_scan, double response) const;
+              const geometry::Rigid2& map_from_scan,
+              const WindowMatch& found) const;
   // What hangs together with the scan in hand.
   std::span<const Keyscan> Segment() const {
     return std::span(keyscans_).subspan(segment_begin_);
@@ -286,18 +285,19 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
 bool LaserSlamOnThread::Doubts(const ScanOutline& scan,
                                const geometry::Rotation3& level,
                                const geometry::Rigid2& map_from_scan,
-                               double response) const {
-  if (!options_.notices_carries || Segment().size() < kTellingKeyscans) {
-    return false;
-  }
-  return watch_.IsDoubtful({.response = response,
-                            .usual_response = usual_response_,
-                            .stands = stands_,
-                            .is_matched = response >= options_.min_response,
-                            .level_from_base = level,
-                            .keyscans = Segment(),
-                            .scan = &scan,
-                            .map_from_base = map_from_scan});
+                               const WindowMatch& found) const {
+  if (!options_.notices_carries || Segment().empty()) return false;
+  const double response = found.match.response;
+  return watch_.IsDoubtful(
+      {.response = response,
+       .usual_response = usual_response_,
+       .stands = stands_,
+       .is_found_widely =
+           found.found_widely > 0 && response >= options_.min_response,
+       .level_from_base = level,
+       .keyscans = Segment(),
+       .scan = &scan,
+       .map_from_base = map_from_scan});
 }
 
 bool LaserSlamOnThread::Match(const ScanOutline& scan,
@@ -317,9 +317,8 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan,
   statistics_.searched_widely += found.searched_widely;
   const ScanMatch& match = found.match;
   const bool matches = match.response >= options_.min_response;
-  is_doubtful_ =
-      Doubts(scan, taken.level_from_base,
-             matches ? match.target_from_scan : guess, match.response);
+  is_doubtful_ = Doubts(scan, taken.level_from_base,
+                        matches ? match.target_from_scan : guess, found);
   if (!matches || is_doubtful_) return false;
   statistics_.found_widely += found.found_widely;
   usual_response_ += kResponseRate * (match.response - usual_response_);
@@ -591,7 +590,7 @@ void LaserSlamOnThread::LoseWay(const LaserSlamScan& scan) {
   usual_response_ = std::max(usual_response_, kFirstResponse);
   finder_.Begin();
   // It may all have been people in front of it.
-  finder_.Suggest({}, 0, /*was_seen=*/false);
+  finder_.Suggest({}, 0, SegmentWitness::kBelief);
 }
 
 void LaserSlamOnThread::LookForSegment(recording::RecordingTime stamp) {
@@ -599,7 +598,7 @@ void LaserSlamOnThread::LookForSegment(recording::RecordingTime stamp) {
       finder_.Step(std::span(keyscans_).first(segment_begin_), Segment());
   if (!link.has_value()) return;
   statistics_.carries.back().found = stamp;
-  statistics_.carries.back().was_seen = link->was_seen;
+  statistics_.carries.back().who = link->who;
   Join(*link);
 }
 
@@ -673,7 +672,7 @@ bool LaserSlamOnThread::SuggestPlace(recording::RecordingTime stamp,
   const double segment_height_m =
       keyscans_[after->keyscan].height_m + after->climb_m;
   finder_.Suggest(map_from_base * segment_from_base.Inverse(),
-                  height_m - segment_height_m, /*was_seen=*/true);
+                  height_m - segment_height_m, SegmentWitness::kServer);
   return true;
 }
 

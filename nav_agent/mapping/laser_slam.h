@@ -15,6 +15,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/mapping/laser_slam_options.h"
 #include "nav_agent/mapping/loop_closer.h"
+#include "nav_agent/mapping/segment_finder.h"
 #include "nav_agent/mapping/trajectory_pose.h"
 #include "nav_agent/recording/recording_time.h"
 
@@ -43,8 +44,7 @@ struct Carry {
   // with which it was found, nullopt: it was not.
   recording::RecordingTime at;
   std::optional<recording::RecordingTime> found;
-  // A server had seen it there, too.
-  bool was_seen = false;
+  SegmentWitness who = SegmentWitness::kScans;
 };
 
 struct LaserSlamStatistics {

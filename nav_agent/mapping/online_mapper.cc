@@ -38,6 +38,18 @@ double SecondsOf(recording::RecordingTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
+const char* FoundBy(SegmentWitness who) {
+  switch (who) {
+    case SegmentWitness::kScans:
+      return "scans found it";
+    case SegmentWitness::kBelief:
+      return "it had stayed where it was, as scans said";
+    case SegmentWitness::kServer:
+      return "the server found it, and scans confirmed it";
+  }
+  return "?";
+}
+
 bool IsLevel(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) < 1e-4;
 }
@@ -317,9 +329,8 @@ std::vector<std::string> OnlineMapper::CarryWarnings(
   for (const Carry& carry : Carries()) {
     if (carry.found.has_value()) {
       warnings.push_back(absl::StrFormat(
-          "at %.1f s the robot was carried off; %s found it again after %.1f s",
-          SecondsOf(carry.at),
-          carry.was_seen ? "the server and the laser" : "the laser",
+          "at %.1f s the robot was carried off, or thought so; %s after %.1f s",
+          SecondsOf(carry.at), FoundBy(carry.who),
           recording::SecondsBetween(carry.at, *carry.found)));
     } else {
       warnings.push_back(absl::StrFormat(

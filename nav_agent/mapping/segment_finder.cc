@@ -94,11 +94,11 @@ void SegmentFinder::Begin() {
 }
 
 void SegmentFinder::Suggest(const geometry::Rigid2& map_from_segment,
-                            double rise_m, bool was_seen) {
+                            double rise_m, SegmentWitness who) {
   for (Place& place : places_) {
     if (!AreSame(place.map_from_segment, map_from_segment)) continue;
     // Two that err apart say the same.
-    place.was_seen = place.was_seen || was_seen;
+    place.who = std::max(place.who, who);
     return;
   }
   if (places_.size() >= options_.max_places) {
@@ -112,7 +112,7 @@ void SegmentFinder::Suggest(const geometry::Rigid2& map_from_segment,
   Place place;
   place.map_from_segment = map_from_segment;
   place.rise_m = rise_m;
-  place.was_seen = was_seen;
+  place.who = who;
   places_.push_back(place);
 }
 
@@ -199,13 +199,14 @@ void SegmentFinder::Compare(std::span<const Keyscan> map,
 
 bool SegmentFinder::IsBelieved(const Place& place) const {
   const double way_m = place.last_found_m - place.first_found_m;
-  if (place.was_seen) {
+  if (place.who != SegmentWitness::kScans) {
     return place.found >= options_.min_found && way_m >= options_.min_way_m &&
            4 * place.against <= place.found;
   }
   return place.found >= options_.min_found_alone &&
          way_m >= options_.min_way_alone_m && searches_done_ > 0 &&
-         8 * (place.told - place.found) <= place.told &&
+         4 * (place.told - place.found) <= place.told &&
+         8 * place.against <= place.found &&
          place.responses >= options_.min_response_alone * place.found;
 }
 
@@ -235,7 +236,7 @@ std::optional<SegmentLink> SegmentFinder::Step(
   for (const Place& place : places_) {
     if (!is_new || !IsBelieved(place) || HasRival(place)) continue;
     SegmentLink link = place.link;
-    link.was_seen = place.was_seen;
+    link.who = place.who;
     return link;
   }
   if (is_searching_) {
@@ -315,7 +316,8 @@ void SegmentFinder::EndSearch() {
         2 * suggested++ >= options_.max_places) {
       break;
     }
-    Suggest(candidate.map_from_segment, candidate.rise_m, false);
+    Suggest(candidate.map_from_segment, candidate.rise_m,
+            SegmentWitness::kScans);
   }
   candidates_.clear();
 }

@@ -33,13 +33,14 @@ struct SegmentFinderOptions {
   double against_contradicted = 0.25;
   double against_response = 0.4;
   int min_told = 100;
-  // A place that was seen is believed once so many keyscans were found over so
-  // much of the way (m), and at most one for four speaks against it ...
+  // A place that was seen, or where the robot thought it was, is believed once
+  // so many keyscans were found over so much of the way (m), and at most one
+  // for four speaks against it ...
   int min_found = 4;
   double min_way_m = 1.0;
   // ... one that scans alone suggest, after so many over so much more, where
-  // they respond so well on average, all but one in eight of them; and if the
-  // whole map was searched.
+  // they respond so well on average; three in four must be found and at most
+  // one in eight speak against it; and if the whole map was searched.
   int min_found_alone = 8;
   double min_way_alone_m = 3.0;
   double min_response_alone = 0.75;
@@ -56,6 +57,13 @@ struct SegmentFinderOptions {
   bool IsValid() const;
 };
 
+// Who says first where a segment hangs on the map; scans have to confirm it.
+enum class SegmentWitness : uint8_t {
+  kScans,   // they fit there, among all places of the map
+  kBelief,  // the robot thought so: it may all have been people before it
+  kServer   // it has seen it there
+};
+
 // How a segment hangs on the map.
 struct SegmentLink {
   geometry::Rigid2 map_from_segment;
@@ -65,7 +73,7 @@ struct SegmentLink {
   size_t map_keyscan = 0;
   size_t segment_keyscan = 0;
   Covariance3 covariance{};  // of that keyscan's place, in the map's axes
-  bool was_seen = false;     // a server said it, too
+  SegmentWitness who = SegmentWitness::kScans;
 };
 
 // Deterministic; not thread-safe.
@@ -77,9 +85,9 @@ class SegmentFinder {
 
   // A new segment: nothing is known of it.
   void Begin();
-  // It may hang so; was_seen: a server has seen it there.
+  // It may hang so, as `who` says.
   void Suggest(const geometry::Rigid2& map_from_segment, double rise_m,
-               bool was_seen);
+               SegmentWitness who);
   // Compares what has come since the last step, and searches a part of the
   // map. The segment only grows; the map may be moved a little.
   std::optional<SegmentLink> Step(std::span<const Keyscan> map,
@@ -92,7 +100,7 @@ class SegmentFinder {
   struct Place {
     geometry::Rigid2 map_from_segment;
     double rise_m = 0;
-    bool was_seen = false;
+    SegmentWitness who = SegmentWitness::kScans;
     size_t compared = 0;  // keyscans of the segment
     int told = 0;         // of them, those that the map knows something about
     int found = 0;
