@@ -19,9 +19,9 @@ double Tilt_rad(const geometry::Rotation3& level_from_base) {
 
 bool CarryWatchOptions::IsValid() const {
   return poor_response > 0 && very_poor_response >= poor_response &&
-         some_contradicted >= 0 && max_contradicted >= some_contradicted &&
-         min_told > 0 && lifted_rad > 0 && min_scans > 0 && min_s >= 0 &&
-         changed_share > 0 && changed_m > 0;
+         poor_response_in_doubt >= 0 && max_contradicted >= 0 &&
+         max_contradicted_standing >= 0 && min_told > 0 && lifted_rad > 0 &&
+         min_scans > 0 && min_s >= 0 && changed_share > 0 && changed_m > 0;
 }
 
 Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
@@ -43,16 +43,17 @@ Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
 bool CarryWatch::IsDoubtful(const Evidence& evidence) const {
   if (Tilt_rad(evidence.level_from_base) > options_.lifted_rad) return true;
   const double poorer = evidence.usual_response - evidence.response;
+  if (!evidence.stands && evidence.is_found_widely &&
+      poorer > (in_doubt() ? options_.poor_response_in_doubt
+                           : options_.very_poor_response)) {
+    return true;
+  }
   if (poorer < options_.poor_response) return false;
   const Contradictions found = ContradictionsWith(
       evidence.keyscans, *evidence.scan, evidence.map_from_base);
-  if (found.told < options_.min_told) return false;
-  if (evidence.stands) {
-    return found.Share() > options_.max_contradicted_standing;
-  }
-  return found.Share() > options_.max_contradicted ||
-         (evidence.is_found_widely && poorer > options_.very_poor_response &&
-          found.Share() > options_.some_contradicted);
+  return found.told >= options_.min_told &&
+         found.Share() > (evidence.stands ? options_.max_contradicted_standing
+                                          : options_.max_contradicted);
 }
 
 bool CarryWatch::Add(bool is_doubtful, recording::RecordingTime stamp) {

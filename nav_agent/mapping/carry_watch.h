@@ -24,10 +24,11 @@ struct CarryWatchOptions {
   double max_contradicted = 0.2;
   // (of a robot that stands, for others may walk about before it, so much)
   double max_contradicted_standing = 0.4;
-  // ... or if it was found by a wide search, responds by so much less than
-  // usual, and some of it is contradicted: somewhere it always fits a little.
-  double very_poor_response = 0.3;
-  double some_contradicted = 0.04;
+  // ... or if it matches elsewhere than where odometry has it, and responds by
+  // so much less than usual: somewhere it always fits a little.
+  double very_poor_response = 0.2;
+  // So much less, once another scan is in doubt: by chance one does match.
+  double poor_response_in_doubt = 0.05;
   // Fewer points say nothing.
   int min_told = 100;
   // A robot on its wheels does not tilt further than this (rad).

@@ -212,8 +212,10 @@ bool SegmentFinder::IsBelieved(const Place& place) const {
 
 bool SegmentFinder::HasRival(const Place& place) const {
   return std::any_of(places_.begin(), places_.end(), [&](const Place& other) {
+    const double share = other.who < place.who ? options_.unseen_rival_share
+                                               : options_.rival_share;
     return &other != &place && 4 * other.against <= other.found &&
-           other.found >= options_.rival_share * place.found &&
+           other.responses > share * place.responses &&
            !AreSame(other.map_from_segment, place.map_from_segment);
   });
 }

@@ -44,8 +44,11 @@ struct SegmentFinderOptions {
   int min_found_alone = 8;
   double min_way_alone_m = 3.0;
   double min_response_alone = 0.75;
-  // No other place may have been found by this share of as many keyscans.
-  double rival_share = 0.5;
+  // No other place may be found about as well: by this share of what its
+  // keyscans respond, together; by more, if nobody but scans says so, and of
+  // this place somebody does.
+  double rival_share = 0.85;
+  double unseen_rival_share = 1.05;
   // The whole map is searched when the segment is so long, and again after so
   // much more of it (m).
   double whole_map_after_m = 1.5;
