@@ -19,9 +19,9 @@ double Tilt_rad(const geometry::Rotation3& level_from_base) {
 
 bool CarryWatchOptions::IsValid() const {
   return poor_response > 0 && very_poor_response >= poor_response &&
-         poor_response_in_doubt >= 0 && max_contradicted >= 0 &&
-         max_contradicted_standing >= 0 && min_told > 0 && lifted_rad > 0 &&
-         min_scans > 0 && min_s >= 0 && changed_share > 0 && changed_m > 0;
+         max_contradicted >= 0 && max_contradicted_standing >= 0 &&
+         min_told > 0 && lifted_rad > 0 && min_scans > 0 && min_s >= 0 &&
+         changed_share > 0 && changed_m > 0;
 }
 
 Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
@@ -44,8 +44,7 @@ bool CarryWatch::IsDoubtful(const Evidence& evidence) const {
   if (Tilt_rad(evidence.level_from_base) > options_.lifted_rad) return true;
   const double poorer = evidence.usual_response - evidence.response;
   if (!evidence.stands && evidence.is_found_widely &&
-      poorer > (in_doubt() ? options_.poor_response_in_doubt
-                           : options_.very_poor_response)) {
+      (in_doubt() || poorer > options_.very_poor_response)) {
     return true;
   }
   if (poorer < options_.poor_response) return false;

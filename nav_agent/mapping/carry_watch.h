@@ -25,10 +25,9 @@ struct CarryWatchOptions {
   // (of a robot that stands, for others may walk about before it, so much)
   double max_contradicted_standing = 0.4;
   // ... or if it matches elsewhere than where odometry has it, and responds by
-  // so much less than usual: somewhere it always fits a little.
+  // so much less than usual: somewhere it always fits a little. Once another
+  // scan is in doubt, that is enough: by chance one fits well.
   double very_poor_response = 0.2;
-  // So much less, once another scan is in doubt: by chance one does match.
-  double poor_response_in_doubt = 0.05;
   // Fewer points say nothing.
   int min_told = 100;
   // A robot on its wheels does not tilt further than this (rad).

@@ -46,6 +46,11 @@ class OnlineMapper {
   // Somebody has seen where a lost robot was: see LaserSlam::SuggestPlace.
   bool SuggestPlace(base::MonotonicTime stamp,
                     const geometry::Rigid3& map_from_base);
+  // How the robot stands, as the inertial sensor says last.
+  geometry::Rotation3 LevelFromBase() const {
+    return samples_.empty() ? geometry::Rotation3{}
+                            : samples_.back().level_from_base;
+  }
   int64_t scans() const { return static_cast<int64_t>(odom_from_base_.size()); }
 
   // Where the robot was at each scan so far of which that is known, with all
