@@ -43,11 +43,14 @@ Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
 bool CarryWatch::IsDoubtful(const Evidence& evidence) const {
   if (Tilt_rad(evidence.level_from_base) > options_.lifted_rad) return true;
   const double poorer = evidence.usual_response - evidence.response;
-  if (!evidence.stands && evidence.is_found_widely &&
-      (in_doubt() || poorer > options_.very_poor_response)) {
+  const bool is_poor = poorer > options_.poor_response;
+  if (!evidence.stands &&
+      (in_doubt() ? evidence.is_found_widely || is_poor
+                  : evidence.is_found_widely &&
+                        poorer > options_.very_poor_response)) {
     return true;
   }
-  if (poorer < options_.poor_response) return false;
+  if (!is_poor) return false;
   const Contradictions found = ContradictionsWith(
       evidence.keyscans, *evidence.scan, evidence.map_from_base);
   return found.told >= options_.min_told &&

@@ -25,8 +25,9 @@ struct CarryWatchOptions {
   // (of a robot that stands, for others may walk about before it, so much)
   double max_contradicted_standing = 0.4;
   // ... or if it matches elsewhere than where odometry has it, and responds by
-  // so much less than usual: somewhere it always fits a little. Once another
-  // scan is in doubt, that is enough: by chance one fits well.
+  // so much less than usual: somewhere it always fits a little. Once a scan is
+  // in doubt, only one that matches about as usual where odometry has it ends
+  // that: by chance another fits, or says nothing.
   double very_poor_response = 0.2;
   // Fewer points say nothing.
   int min_told = 100;

@@ -304,7 +304,10 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan,
                               const LaserSlamScan& taken,
                               const MatchSearch& search,
                               Covariance3* covariance) {
-  if (static_cast<int>(scan.size()) < options_.min_points) return false;
+  if (static_cast<int>(scan.size()) < options_.min_points) {
+    is_doubtful_ = watch_.in_doubt();
+    return false;
+  }
   const geometry::Rigid2 guess = map_from_base_;
   const geometry::Vec2 slope = SlopeUnder(taken.level_from_base);
   const Window window = WindowFor({.at = guess.translation,
