@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -10,11 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/mapping/keyscan.h"
-#include "nav_agent/mapping/loop_worker.h"
+#include "nav_agent/mapping/laser_slam_on_thread.h"
 #include "nav_agent/mapping/scan_plane.h"
-#include "nav_agent/mapping/traversed_ground.h"
-#include "nav_agent/mapping/window_matcher.h"
 
 namespace treeline::mapping {
 namespace {
@@ -40,159 +36,13 @@ constexpr double kMinShareOfWay = 0.5;
 constexpr double kMaxShareOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
 
-// The usual response, of a running mean: where it begins, and how fast it
-// follows.
-constexpr double kFirstResponse = 0.7;
+// How fast the usual response, a running mean, follows.
 constexpr double kResponseRate = 0.05;
 bool IsTilted(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
 }
 
-// The keyscan of a scan of which nobody knows where it was taken.
-constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
-// So long before a robot is in doubt it may have been lifted, and so long after
-// it was put down it may sway (s).
-constexpr double kCarried_s = 0.3;
-
-// A scan's place, tied to the keyscan before it so that it moves with it.
-struct ScanPlace {
-  recording::RecordingTime stamp;
-  size_t keyscan = 0;  // or kNowhere
-  geometry::Rigid2 keyscan_from_base;
-  double climb_m = 0;  // since the keyscan
-  geometry::Rotation3 level_from_base;
-  double way_m = 0;  // in odometry, turns too
-};
-
-class LaserSlamOnThread final : public LaserSlam {
- public:
-  LaserSlamOnThread(const core::RangeSensorInfo& laser,
-                    const geometry::Rigid3& base_from_laser,
-                    const LaserSlamOptions& options)
-      : laser_(laser),
-        base_from_laser_(base_from_laser),
-        options_(options),
-        ground_(options.ground_reach_m),
-        leaves_out_ground_(options.ground_margin_m > 0 &&
-                           base_from_laser.translation.z >
-                               2 * options.ground_margin_m),
-        doubt_(options.odometry, options.search_sigmas),
-        watch_(options.carries),
-        finder_(options.segments, options.matcher),
-        worker_(LoopCloser(options.loops, options.matcher, options.graph),
-                options.synchronous) {}
-
-  absl::StatusOr<geometry::Rigid2> AddScan(const LaserSlamScan& scan) override;
-  double Height_m() const override { return height_m_; }
-  bool IsLost() const override { return is_lost_; }
-  bool SuggestPlace(recording::RecordingTime stamp,
-                    const geometry::Rigid2& map_from_base,
-                    double height_m) override;
-  void Finish() override {
-    worker_.Finish(options_.polish_rounds);
-    ApplyCorrection();
-  }
-  std::vector<TrajectoryPose> Trajectory() const override;
-  LaserSlamStatistics Statistics() const override {
-    LaserSlamStatistics statistics = statistics_;
-    statistics.keyscans = static_cast<int64_t>(keyscans_.size());
-    statistics.loops = worker_.Statistics();
-    statistics.odometry_scale_m = doubt_.scale_m();
-    statistics.odometry_scale_rad = doubt_.scale_rad();
-    return statistics;
-  }
-
- private:
-  absl::Status Check(const LaserSlamScan& scan) const;
-  void ApplyCorrection();
-  // Finds the robot, from a prediction; false: odometry has to do.
-  bool Match(const ScanOutline& scan, const LaserSlamScan& taken,
-             const MatchSearch& search, Covariance3* covariance);
-  struct Window {
-    std::vector<PlacedScan> references;
-    // The direction in which they do not tell where the robot is; or 0.
-    geometry::Vec2 untold;
-  };
-  Window WindowFor(const ScanPlane& plane) const;
-  MatchSearch SearchAfter(const geometry::Rigid2& motion) const;
-  // The scan's points, without those that are known to be ground.
-  std::shared_ptr<const ScanOutline> OutlineOf(const LaserSlamScan& scan) const;
-  // Where odometry says that the robot is now.
-  void Predict(const LaserSlamScan& scan);
-  // Matches the scan against the window; its covariance, by odometry where it
-  // does not match.
-  Covariance3 Locate(const ScanOutline& outline, const LaserSlamScan& scan);
-  // Of a robot whose wheels stand: whether it sees something else than before,
-  // and only whether that can be where it is. People before it move nothing.
-  bool IsElsewhere(const LaserSlamScan& scan) const {
-    return options_.notices_carries &&
-           (watch_.in_doubt() || watch_.HasChanged(scan.ranges_m));
-  }
-  void Glance(const ScanOutline& outline, const LaserSlamScan& scan);
-  // Spreads what matching has corrected over the scans since the last match.
-  void SpreadCorrection(const geometry::Rigid2& map_from_predicted);
-  void FollowWay(const geometry::Rigid2& map_from_predicted);
-  void AddKeyscan(std::shared_ptr<const ScanOutline> outline,
-                  const LaserSlamScan& scan,
-                  const Covariance3& covariance_in_map);
-  void AddPlace(const LaserSlamScan& scan);
-  // ---- carried off ----
-  bool Doubts(const ScanOutline& scan, const geometry::Rotation3& level,
-              const geometry::Rigid2& map_from_scan,
-              const WindowMatch& found) const;
-  // What hangs together with the scan in hand.
-  std::span<const Keyscan> Segment() const {
-    return std::span(keyscans_).subspan(segment_begin_);
-  }
-  // Nobody knows any more where the robot is: a segment begins.
-  void LoseWay(const LaserSlamScan& scan);
-  void LookForSegment(recording::RecordingTime stamp);
-  // The segment hangs on the map.
-  void Join(const SegmentLink& link);
-
-  const core::RangeSensorInfo laser_;
-  const geometry::Rigid3 base_from_laser_;
-  const LaserSlamOptions options_;
-  std::vector<Keyscan> keyscans_;
-  std::vector<ScanPlace> places_;
-  geometry::Rigid2 map_from_base_;
-  double height_m_ = 0;  // of the base, in the map
-  double way_m_ = 0;
-  // The last scan that was matched: its number and where it was; by how much
-  // odometry has climbed since then.
-  size_t matched_place_ = 0;
-  double matched_way_m_ = 0;
-  geometry::Rigid2 map_from_matched_;
-  double climb_since_match_m_ = 0;
-  // The last scan's height in odometry.
-  double last_height_m_ = 0;
-  // Odometry of the last scan, of the last one that was matched, and of the
-  // last keyscan.
-  geometry::Rigid2 odom_from_last_;
-  geometry::Rigid2 odom_from_matched_;
-  geometry::Rigid2 odom_from_keyscan_;
-  TraversedGround ground_;
-  const bool leaves_out_ground_;
-  OdometryDoubt doubt_;
-  CarryWatch watch_;
-  SegmentFinder finder_;
-  // What map_from_base says is of a frame of its own since this keyscan: the
-  // segment's. Its keyscans are not the loop closer's yet.
-  bool is_lost_ = false;
-  size_t segment_begin_ = 0;
-  recording::RecordingTime segment_since_;
-  std::vector<NewKeyscan> of_segment_;
-  // Of keyscans since the last match that did not match: odometry's errors add
-  // up until one does.
-  OdometryDoubt::Sigma unmatched_;
-  bool has_matched_ = false;  // the scan in hand
-  bool stands_ = false;       // since the last scan that was matched
-  bool is_doubtful_ = false;  // it cannot be of where the robot seems to be
-  // How scans respond usually.
-  double usual_response_ = kFirstResponse;
-  LaserSlamStatistics statistics_;
-  LoopWorker worker_;
-};
+}  // namespace
 
 absl::Status LaserSlamOnThread::Check(const LaserSlamScan& scan) const {
   if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
@@ -280,24 +130,6 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   const double tilt = geometry::Norm(all.untold);
   if (tilt > 0) all.untold = (1 / tilt) * all.untold;
   return all;
-}
-
-bool LaserSlamOnThread::Doubts(const ScanOutline& scan,
-                               const geometry::Rotation3& level,
-                               const geometry::Rigid2& map_from_scan,
-                               const WindowMatch& found) const {
-  if (!options_.notices_carries || Segment().empty()) return false;
-  const double response = found.match.response;
-  return watch_.IsDoubtful(
-      {.response = response,
-       .usual_response = usual_response_,
-       .stands = stands_,
-       .is_found_widely =
-           found.found_widely > 0 && response >= options_.min_response,
-       .level_from_base = level,
-       .keyscans = Segment(),
-       .scan = &scan,
-       .map_from_base = map_from_scan});
 }
 
 bool LaserSlamOnThread::Match(const ScanOutline& scan,
@@ -417,20 +249,6 @@ void LaserSlamOnThread::FollowWay(const geometry::Rigid2& map_from_predicted) {
                    kMinShareOfWay, kMaxShareOfWay);
     height_m_ += (factor - 1) * climb_since_match_m_;
   }
-}
-
-void LaserSlamOnThread::Glance(const ScanOutline& outline,
-                               const LaserSlamScan& scan) {
-  const geometry::Rigid2 map_from_base = map_from_base_;
-  const double usual_response = usual_response_;
-  Covariance3 unused{};
-  stands_ = true;
-  Match(outline, scan,
-        SearchAfter(odom_from_matched_.Inverse() * scan.odom_from_base),
-        &unused);
-  stands_ = false;
-  map_from_base_ = map_from_base;
-  usual_response_ = usual_response;
 }
 
 Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
@@ -568,117 +386,6 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
   return map_from_base_;
 }
 
-void LaserSlamOnThread::LoseWay(const LaserSlamScan& scan) {
-  const recording::RecordingTime since = watch_.since();
-  watch_.Reset();
-  if (is_lost_) {
-    // Again: of what was seen meanwhile nobody will know where it was.
-    keyscans_.resize(segment_begin_);
-    of_segment_.clear();
-  } else {
-    statistics_.carries.push_back({.at = since, .found = {}});
-  }
-  for (size_t i = places_.size(); i-- > 0;) {
-    const bool is_before =
-        recording::SecondsBetween(places_[i].stamp, since) > kCarried_s &&
-        places_[i].keyscan < keyscans_.size();
-    if (is_before) break;
-    places_[i].keyscan = kNowhere;
-  }
-  is_lost_ = true;
-  segment_begin_ = keyscans_.size();
-  segment_since_ = scan.stamp;
-  unmatched_ = {};
-  has_matched_ = true;
-  usual_response_ = std::max(usual_response_, kFirstResponse);
-  finder_.Begin();
-  // It may all have been people in front of it.
-  finder_.Suggest({}, 0, SegmentWitness::kBelief);
-}
-
-void LaserSlamOnThread::LookForSegment(recording::RecordingTime stamp) {
-  const std::optional<SegmentLink> link =
-      finder_.Step(std::span(keyscans_).first(segment_begin_), Segment());
-  if (!link.has_value()) return;
-  statistics_.carries.back().found = stamp;
-  statistics_.carries.back().who = link->who;
-  Join(*link);
-}
-
-void LaserSlamOnThread::Join(const SegmentLink& link) {
-  const geometry::Rigid2& map_from_segment = link.map_from_segment;
-  for (size_t i = segment_begin_; i < keyscans_.size(); ++i) {
-    Keyscan& keyscan = keyscans_[i];
-    keyscan.map_from_base = map_from_segment * keyscan.map_from_base;
-    keyscan.height_m += link.rise_m;
-    ground_.Add(keyscan.Place());
-  }
-  map_from_base_ = map_from_segment * map_from_base_;
-  map_from_matched_ = map_from_segment * map_from_matched_;
-  height_m_ += link.rise_m;
-  is_lost_ = false;
-  // The first of the segment hangs where the one that was found says; what is
-  // not known of that one's yaw moves the first.
-  const Keyscan& from = keyscans_[link.map_keyscan];
-  const Keyscan& first = keyscans_[segment_begin_];
-  const Keyscan& found = keyscans_[segment_begin_ + link.segment_keyscan];
-  NewKeyscan& tied = of_segment_.front();
-  tied.tied_to = static_cast<int>(link.map_keyscan);
-  tied.previous_from_this = from.map_from_base.Inverse() * first.map_from_base;
-  tied.climb_m = first.height_m - from.height_m;
-  Covariance3 covariance = link.covariance;
-  for (size_t i = 1; i <= link.segment_keyscan; ++i) {
-    const Covariance3& step = of_segment_[i].covariance;
-    const double variance_m2 = std::max(step[0], step[4]);
-    covariance[0] += variance_m2;
-    covariance[4] += variance_m2;
-    covariance[8] += step[8];
-  }
-  const double arm_m = geometry::Norm(first.map_from_base.translation -
-                                      found.map_from_base.translation);
-  covariance[0] += covariance[8] * arm_m * arm_m;
-  covariance[4] += covariance[8] * arm_m * arm_m;
-  tied.covariance = Turned(covariance, -from.map_from_base.yaw_rad);
-  for (NewKeyscan& keyscan : of_segment_) worker_.Add(std::move(keyscan));
-  of_segment_.clear();
-  segment_begin_ = 0;
-}
-
-bool LaserSlamOnThread::SuggestPlace(recording::RecordingTime stamp,
-                                     const geometry::Rigid2& map_from_base,
-                                     double height_m) {
-  if (!is_lost_) return false;
-  const auto after = std::lower_bound(
-      places_.begin(), places_.end(), stamp,
-      [](const ScanPlace& place, recording::RecordingTime time) {
-        return place.stamp < time;
-      });
-  if (after == places_.end() || after == places_.begin() ||
-      after->keyscan == kNowhere || after->keyscan < segment_begin_ ||
-      (after - 1)->keyscan == kNowhere) {
-    return false;
-  }
-  const auto segment_from = [this](const ScanPlace& place) {
-    return keyscans_[place.keyscan].map_from_base * place.keyscan_from_base;
-  };
-  const ScanPlace& before = *(after - 1);
-  const geometry::Rigid2 segment_from_before = segment_from(before);
-  const geometry::Rigid2 motion =
-      segment_from_before.Inverse() * segment_from(*after);
-  const double length_s = recording::SecondsBetween(before.stamp, after->stamp);
-  const double part =
-      length_s > 0 ? recording::SecondsBetween(before.stamp, stamp) / length_s
-                   : 1;
-  const geometry::Rigid2 segment_from_base =
-      segment_from_before *
-      geometry::Rigid2{part * motion.translation, part * motion.yaw_rad};
-  const double segment_height_m =
-      keyscans_[after->keyscan].height_m + after->climb_m;
-  finder_.Suggest(map_from_base * segment_from_base.Inverse(),
-                  height_m - segment_height_m, SegmentWitness::kServer);
-  return true;
-}
-
 std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
   std::vector<TrajectoryPose> trajectory;
   trajectory.reserve(places_.size());
@@ -701,8 +408,6 @@ std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
   }
   return trajectory;
 }
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<LaserSlam>> LaserSlam::Create(
     const core::RangeSensorInfo& laser, const geometry::Rigid3& base_from_laser,
