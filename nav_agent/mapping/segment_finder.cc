@@ -14,9 +14,11 @@ constexpr double kSamePlace_m = 0.4;
 constexpr double kSamePlace_rad = 0.15;
 // Of the map's keyscans near a place, so many are matched against, and so many
 // asked what they looked through; fewer than the last say nothing.
-constexpr size_t kReferences = 10;
+constexpr size_t kReferences = 14;
 constexpr size_t kAsked = 4;
 constexpr size_t kMinReferences = 3;
+constexpr double kTurnAside_m = 1.0;
+constexpr size_t kTileReferences = 30;
 // The share of surfaces that must be seen from the same side.
 constexpr double kSameSide = 0.8;
 // A turn counts as so much of the way (m per rad).
@@ -130,7 +132,9 @@ void SegmentFinder::Measure(std::span<const Keyscan> segment) {
 }
 
 std::vector<size_t> SegmentFinder::Near(std::span<const Keyscan> map,
-                                        const Keyscan& at_place) const {
+                                        const Keyscan& at_place,
+                                        double turn_as_m,
+                                        size_t at_most) const {
   std::vector<std::pair<double, size_t>> near;
   const ScanPlane plane = at_place.Plane();
   for (size_t i = 0; i < map.size(); ++i) {
@@ -140,9 +144,11 @@ std::vector<size_t> SegmentFinder::Near(std::span<const Keyscan> map,
         Gap_m(plane, map[i].Plane()) > options_.max_gap_m) {
       continue;
     }
-    near.emplace_back(distance_m, i);
+    const double turn_rad = std::abs(geometry::NormalizedAngle_rad(
+        map[i].map_from_base.yaw_rad - at_place.map_from_base.yaw_rad));
+    near.emplace_back(distance_m + turn_as_m * turn_rad, i);
   }
-  const size_t count = std::min(near.size(), kReferences);
+  const size_t count = std::min(near.size(), at_most);
   std::partial_sort(near.begin(), near.begin() + static_cast<ptrdiff_t>(count),
                     near.end());
   std::vector<size_t> nearest;
@@ -155,7 +161,7 @@ void SegmentFinder::Compare(std::span<const Keyscan> map,
                             Place& place) const {
   const size_t index = place.compared++;
   const Keyscan at = At(place.map_from_segment, place.rise_m, segment[index]);
-  const std::vector<size_t> near = Near(map, at);
+  const std::vector<size_t> near = Near(map, at, kTurnAside_m, kReferences);
   if (near.size() < kMinReferences || at.scan->empty()) return;
   const bool is_first = place.found == 0;
   const MatchSearch search = {
@@ -287,7 +293,7 @@ void SegmentFinder::SearchTile(std::span<const Keyscan> map) {
   if (tiles_.empty()) return EndSearch();
   const Keyscan& center = map[tiles_.back()];
   tiles_.pop_back();
-  const std::vector<size_t> near = Near(map, center);
+  const std::vector<size_t> near = Near(map, center, 0, kTileReferences);
   if (near.size() < kMinReferences) return;
   ScanMatcherOptions coarse = matcher_;
   coarse.cell_m *= kCoarse;

@@ -41,9 +41,9 @@ struct SegmentFinderOptions {
   // ... one that scans alone suggest, after so many over so much more, where
   // they respond so well on average; three in four must be found and at most
   // one in eight speak against it; and if the whole map was searched.
-  int min_found_alone = 8;
-  double min_way_alone_m = 3.0;
-  double min_response_alone = 0.75;
+  int min_found_alone = 10;
+  double min_way_alone_m = 3.5;
+  double min_response_alone = 0.85;
   // No other place may be found about as well: by this share of what its
   // keyscans respond, together; by more, if nobody but scans says so, and of
   // this place somebody does.
@@ -120,10 +120,12 @@ class SegmentFinder {
   };
 
   void Measure(std::span<const Keyscan> segment);
-  // The map's keyscans near to one of the segment where a place puts it, the
-  // nearest first.
+  // The map's keyscans near to a place, the nearest first; a turn against it
+  // counts as so much of the distance (m per rad), since lasers do not see what
+  // is behind them.
   std::vector<size_t> Near(std::span<const Keyscan> map,
-                           const Keyscan& at_place) const;
+                           const Keyscan& at_place, double turn_as_m,
+                           size_t at_most) const;
   void Compare(std::span<const Keyscan> map, std::span<const Keyscan> segment,
                Place& place) const;
   bool IsBelieved(const Place& place) const;
