@@ -43,6 +43,12 @@ it meanwhile. The robot is pushed, or driven by its own remote control. Killed,
 the recording lacks a second at most: map it with --log. Addresses are
 /dev/ttyACM0, /dev/ttyUSB0@460800 or tcp:HOST:PORT.
 
+A robot that is carried off while it maps, or whose laser was silent for long,
+notices it: what it sees hangs on nothing until scans have found it in the map,
+and is left out if they never do. With --server, the server that serves the
+scene being learnt (--learn) is asked meanwhile; its answer counts once scans
+confirm it, over a metre of the way.
+
 BUNDLE then holds octomap.bt, levels/level-N.yaml and .pgm (where a robot may
 drive), keyframes (a recording in the layout of 7-Scenes), trajectory.txt (TUM)
 and map.png to look at; see docs/reference/map-bundle.md. From it, the scene's
@@ -58,6 +64,8 @@ Examples:
   treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
       --camera openni --output house
   treeline-agent map --live --ros2 robot.yaml --output house
+  treeline-agent map --live --hardware robot.yaml --output house \
+      --learn models --server 127.0.0.1:50051
   treeline-agent map --rgbd tum:rgbd_dataset_freiburg1_room --output room)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
