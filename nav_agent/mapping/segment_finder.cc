@@ -210,6 +210,8 @@ bool SegmentFinder::IsBelieved(const Place& place) const {
            4 * place.against <= place.found;
   }
   return place.found >= options_.min_found_alone &&
+         place.found >= options_.min_found_share_alone *
+                            static_cast<double>(place.compared) &&
          way_m >= options_.min_way_alone_m && searches_done_ > 0 &&
          4 * (place.told - place.found) <= place.told &&
          8 * place.against <= place.found &&

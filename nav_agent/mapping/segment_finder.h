@@ -44,6 +44,9 @@ struct SegmentFinderOptions {
   int min_found_alone = 10;
   double min_way_alone_m = 3.5;
   double min_response_alone = 0.85;
+  // And this share of all of the segment's keyscans: the longer it is, the more
+  // places have been tried, and the more of them fit for a while.
+  double min_found_share_alone = 0.25;
   // No other place may be found about as well: by this share of what its
   // keyscans respond, together; by more, if nobody but scans says so, and of
   // this place somebody does.

@@ -1,11 +1,12 @@
-// A robot that is carried off while it maps: noticed, and tied to the map
-// again.
+#include "nav_agent/mapping/laser_slam_on_thread.h"
+
 #include <algorithm>
 #include <utility>
 
-#include "nav_agent/mapping/laser_slam_on_thread.h"
 #include "nav_agent/mapping/pose_graph.h"
 
+// What a robot asks for that is carried off while it maps: that it is noticed,
+// and tied to the map again. The rest is in laser_slam.cc.
 namespace treeline::mapping {
 
 bool LaserSlamOnThread::Doubts(const ScanOutline& scan,
