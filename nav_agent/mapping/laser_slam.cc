@@ -9,9 +9,8 @@
 #include "absl/strings/str_format.h"
 #include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/mapping/loop_worker.h"
+#include "nav_agent/mapping/laser_slam_on_thread.h"
 #include "nav_agent/mapping/scan_plane.h"
-#include "nav_agent/mapping/traversed_ground.h"
 
 namespace treeline::mapping {
 namespace {
@@ -37,156 +36,13 @@ constexpr double kMinShareOfWay = 0.5;
 constexpr double kMaxShareOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
 
-// See Match: factor on odometry noise, and the gain that it must bring.
-constexpr double kLooseOdometryFactor = 10;
-constexpr double kClearlyBetter = 0.02;
-// The usual response, of a running mean: where it begins, and how fast it
-// follows.
-constexpr double kFirstResponse = 0.7;
+// How fast the usual response, a running mean, follows.
 constexpr double kResponseRate = 0.05;
-// Coarse cells are this many times as large; the search on fine ones about
-// what was found.
-constexpr double kCoarse = 2.5;
-constexpr double kFineSearch_cells = 1.5;
-constexpr double kFineSearch_rad = 0.03;
-
 bool IsTilted(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
 }
 
-struct Keyscan {
-  std::shared_ptr<const ScanOutline> scan;
-  geometry::Rigid2 map_from_base;
-  double height_m = 0;
-  // Of the ground, in the base's axes.
-  geometry::Vec2 slope;
-
-  ScanPlane Plane() const {
-    return {.at = map_from_base.translation,
-            .height_m = height_m,
-            .slope = TurnedBy(map_from_base.yaw_rad, slope)};
-  }
-};
-
-geometry::Vec3 PlaceOf(const Keyscan& keyscan) {
-  const geometry::Vec2 at = keyscan.map_from_base.translation;
-  return {at.x, at.y, keyscan.height_m};
-}
-
-// A scan's place, tied to the keyscan before it so that it moves with it.
-struct ScanPlace {
-  recording::RecordingTime stamp;
-  size_t keyscan = 0;
-  geometry::Rigid2 keyscan_from_base;
-  double climb_m = 0;  // since the keyscan
-  geometry::Rotation3 level_from_base;
-  double way_m = 0;  // in odometry, turns too
-};
-
-class LaserSlamOnThread final : public LaserSlam {
- public:
-  LaserSlamOnThread(const core::RangeSensorInfo& laser,
-                    const geometry::Rigid3& base_from_laser,
-                    const LaserSlamOptions& options)
-      : laser_(laser),
-        base_from_laser_(base_from_laser),
-        options_(options),
-        ground_(options.ground_reach_m),
-        leaves_out_ground_(options.ground_margin_m > 0 &&
-                           base_from_laser.translation.z >
-                               2 * options.ground_margin_m),
-        doubt_(options.odometry, options.search_sigmas),
-        worker_(LoopCloser(options.loops, options.matcher, options.graph),
-                options.synchronous) {}
-
-  absl::StatusOr<geometry::Rigid2> AddScan(const LaserSlamScan& scan) override;
-  double Height_m() const override { return height_m_; }
-  void Finish() override {
-    worker_.Finish(options_.polish_rounds);
-    ApplyCorrection();
-  }
-  std::vector<TrajectoryPose> Trajectory() const override;
-  LaserSlamStatistics Statistics() const override {
-    LaserSlamStatistics statistics = statistics_;
-    statistics.keyscans = static_cast<int64_t>(keyscans_.size());
-    statistics.loops = worker_.Statistics();
-    statistics.odometry_scale_m = doubt_.scale_m();
-    statistics.odometry_scale_rad = doubt_.scale_rad();
-    return statistics;
-  }
-
- private:
-  absl::Status Check(const LaserSlamScan& scan) const;
-  void ApplyCorrection();
-  // The scan among references, near to a guess; and, if it responds poorly
-  // there, farther from it.
-  ScanMatch FindNear(std::span<const PlacedScan> references,
-                     const ScanOutline& scan, const geometry::Rigid2& guess,
-                     const MatchSearch& search) const;
-  ScanMatch FindWidely(std::span<const PlacedScan> references,
-                       const ScanOutline& scan, const geometry::Rigid2& guess,
-                       const MatchSearch& search, double half_angle_rad) const;
-  ScanMatch FindInWindow(std::span<const PlacedScan> references,
-                         const ScanOutline& scan, const geometry::Rigid2& guess,
-                         const MatchSearch& search);
-  // Finds the robot, from a prediction; false: odometry has to do.
-  bool Match(const ScanOutline& scan, geometry::Vec2 slope,
-             const MatchSearch& search, Covariance3* covariance);
-  struct Window {
-    std::vector<PlacedScan> references;
-    // The direction in which they do not tell where the robot is; or 0.
-    geometry::Vec2 untold;
-  };
-  Window WindowFor(const ScanPlane& plane) const;
-  MatchSearch SearchAfter(const geometry::Rigid2& motion) const;
-  // The scan's points, without those that are known to be ground.
-  std::shared_ptr<const ScanOutline> OutlineOf(const LaserSlamScan& scan) const;
-  // Where odometry says that the robot is now.
-  void Predict(const LaserSlamScan& scan);
-  // Matches the scan against the window; its covariance, by odometry where it
-  // does not match.
-  Covariance3 Locate(const ScanOutline& outline, const LaserSlamScan& scan);
-  // Spreads what matching has corrected over the scans since the last match.
-  void SpreadCorrection(const geometry::Rigid2& map_from_predicted);
-  void FollowWay(const geometry::Rigid2& map_from_predicted);
-  void AddKeyscan(std::shared_ptr<const ScanOutline> outline,
-                  const LaserSlamScan& scan,
-                  const Covariance3& covariance_in_map);
-  void AddPlace(const LaserSlamScan& scan);
-
-  const core::RangeSensorInfo laser_;
-  const geometry::Rigid3 base_from_laser_;
-  const LaserSlamOptions options_;
-  std::vector<Keyscan> keyscans_;
-  std::vector<ScanPlace> places_;
-  geometry::Rigid2 map_from_base_;
-  double height_m_ = 0;  // of the base, in the map
-  double way_m_ = 0;
-  // The last scan that was matched: its number and where it was; by how much
-  // odometry has climbed since then.
-  size_t matched_place_ = 0;
-  double matched_way_m_ = 0;
-  geometry::Rigid2 map_from_matched_;
-  double climb_since_match_m_ = 0;
-  // The last scan's height in odometry.
-  double last_height_m_ = 0;
-  // Odometry of the last scan, of the last one that was matched, and of the
-  // last keyscan.
-  geometry::Rigid2 odom_from_last_;
-  geometry::Rigid2 odom_from_matched_;
-  geometry::Rigid2 odom_from_keyscan_;
-  TraversedGround ground_;
-  const bool leaves_out_ground_;
-  OdometryDoubt doubt_;
-  // Of keyscans since the last match that did not match: odometry's errors add
-  // up until one does.
-  OdometryDoubt::Sigma unmatched_;
-  bool has_matched_ = false;  // the scan in hand
-  // How scans respond usually.
-  double usual_response_ = kFirstResponse;
-  LaserSlamStatistics statistics_;
-  LoopWorker worker_;
-};
+}  // namespace
 
 absl::Status LaserSlamOnThread::Check(const LaserSlamScan& scan) const {
   if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
@@ -218,7 +74,8 @@ void LaserSlamOnThread::ApplyCorrection() {
       last.map_from_base * keyscans_[known - 1].map_from_base.Inverse();
   const double rise_m = last.height_m - keyscans_[known - 1].height_m;
   ground_.Clear();
-  for (size_t i = 0; i < keyscans_.size(); ++i) {
+  const size_t in_map = is_lost_ ? segment_begin_ : keyscans_.size();
+  for (size_t i = 0; i < in_map; ++i) {
     Keyscan& keyscan = keyscans_[i];
     if (i < known) {
       keyscan.map_from_base = (*corrected)[i].map_from_base;
@@ -227,8 +84,9 @@ void LaserSlamOnThread::ApplyCorrection() {
       keyscan.map_from_base = new_from_old * keyscan.map_from_base;
       keyscan.height_m += rise_m;
     }
-    ground_.Add(PlaceOf(keyscan));
+    ground_.Add(keyscan.Place());
   }
+  if (is_lost_) return;
   map_from_base_ = new_from_old * map_from_base_;
   map_from_matched_ = new_from_old * map_from_matched_;
   height_m_ += rise_m;
@@ -252,7 +110,7 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   Window alike;
   Window all;
   const size_t count =
-      std::min(keyscans_.size(), static_cast<size_t>(options_.window));
+      std::min(Segment().size(), static_cast<size_t>(options_.window));
   for (size_t i = keyscans_.size() - count; i < keyscans_.size(); ++i) {
     const Keyscan& keyscan = keyscans_[i];
     const ScanPlane other = keyscan.Plane();
@@ -274,85 +132,30 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   return all;
 }
 
-ScanMatch LaserSlamOnThread::FindNear(std::span<const PlacedScan> references,
-                                      const ScanOutline& scan,
-                                      const geometry::Rigid2& guess,
-                                      const MatchSearch& search) const {
-  const SurfaceGrid grid =
-      MakeSurfaceGrid(references, scan, guess, search, options_.matcher);
-  ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
-  // Noise stands for small errors. Wheels that spin are wrong by far more: what
-  // then fits clearly better with hardly any odometry is accepted.
-  MatchSearch loose_search = search;
-  loose_search.guess_sigma_m *= kLooseOdometryFactor;
-  loose_search.guess_sigma_rad *= kLooseOdometryFactor;
-  const ScanMatch other = RefineMatch(grid, scan, match.target_from_scan, guess,
-                                      loose_search, options_.matcher);
-  return other.response > match.response + kClearlyBetter ? other : match;
-}
-
-ScanMatch LaserSlamOnThread::FindWidely(std::span<const PlacedScan> references,
-                                        const ScanOutline& scan,
-                                        const geometry::Rigid2& guess,
-                                        const MatchSearch& search,
-                                        double half_angle_rad) const {
-  // On coarse cells first, where odometry says next to nothing.
-  ScanMatcherOptions coarse = options_.matcher;
-  coarse.cell_m *= kCoarse;
-  coarse.sigma_m *= kCoarse;
-  const MatchSearch wide = {
-      .half_extent_m = options_.max_search_m,
-      .half_angle_rad = half_angle_rad,
-      .guess_sigma_m = std::max(search.guess_sigma_m, options_.max_search_m),
-      .guess_sigma_rad = std::max(search.guess_sigma_rad, half_angle_rad)};
-  const SurfaceGrid grid =
-      MakeSurfaceGrid(references, scan, guess, wide, coarse);
-  const geometry::Rigid2 rough =
-      MatchScan(grid, scan, guess, wide, coarse).target_from_scan;
-  MatchSearch fine = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
-                      .half_angle_rad = kFineSearch_rad,
-                      .guess_sigma_m = wide.guess_sigma_m,
-                      .guess_sigma_rad = wide.guess_sigma_rad};
-  const ScanMatch elsewhere = FindNear(references, scan, rough, fine);
-  // Wheels that spin turn the robot more than they move it: where all places
-  // along a corridor fit, it is still where odometry has it.
-  fine.half_extent_m = std::max(fine.half_extent_m, search.half_extent_m);
-  fine.guess_sigma_m = search.guess_sigma_m;
-  const ScanMatch turned =
-      FindNear(references, scan, {guess.translation, rough.yaw_rad}, fine);
-  return elsewhere.response > turned.response + kClearlyBetter ? elsewhere
-                                                               : turned;
-}
-
-ScanMatch LaserSlamOnThread::FindInWindow(
-    std::span<const PlacedScan> references, const ScanOutline& scan,
-    const geometry::Rigid2& guess, const MatchSearch& search) {
-  ScanMatch match = FindNear(references, scan, guess, search);
-  const double enough =
-      std::max(options_.min_response, usual_response_ - options_.poor_response);
-  for (const double half_angle_rad :
-       {options_.max_search_rad, options_.lost_search_rad}) {
-    if (match.response >= enough) break;
-    ++statistics_.searched_widely;
-    const ScanMatch other =
-        FindWidely(references, scan, guess, search, half_angle_rad);
-    if (other.response < match.response + options_.better_response) continue;
-    ++statistics_.found_widely;
-    match = other;
-  }
-  return match;
-}
-
-bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
+bool LaserSlamOnThread::Match(const ScanOutline& scan,
+                              const LaserSlamScan& taken,
                               const MatchSearch& search,
                               Covariance3* covariance) {
-  if (static_cast<int>(scan.size()) < options_.min_points) return false;
+  if (static_cast<int>(scan.size()) < options_.min_points) {
+    is_doubtful_ = watch_.in_doubt();
+    return false;
+  }
   const geometry::Rigid2 guess = map_from_base_;
+  const geometry::Vec2 slope = SlopeUnder(taken.level_from_base);
   const Window window = WindowFor({.at = guess.translation,
                                    .height_m = height_m_,
                                    .slope = TurnedBy(guess.yaw_rad, slope)});
-  const ScanMatch match = FindInWindow(window.references, scan, guess, search);
-  if (match.response < options_.min_response) return false;
+  const double enough =
+      std::max(options_.min_response, usual_response_ - options_.poor_response);
+  const WindowMatch found =
+      MatchInWindow(window.references, scan, guess, search, enough, options_);
+  statistics_.searched_widely += found.searched_widely;
+  const ScanMatch& match = found.match;
+  const bool matches = match.response >= options_.min_response;
+  is_doubtful_ = Doubts(scan, taken.level_from_base,
+                        matches ? match.target_from_scan : guess, found);
+  if (!matches || is_doubtful_) return false;
+  statistics_.found_widely += found.found_widely;
   usual_response_ += kResponseRate * (match.response - usual_response_);
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
@@ -425,6 +228,7 @@ void LaserSlamOnThread::SpreadCorrection(
       (map_from_base_.translation - map_from_predicted.translation);
   for (size_t i = matched_place_ + 1; i < places_.size(); ++i) {
     ScanPlace& place = places_[i];
+    if (place.keyscan == kNowhere) continue;
     const double part = (place.way_m - matched_way_m_) / length_m;
     geometry::Rigid2& keyscan_from_base = place.keyscan_from_base;
     keyscan_from_base.translation = keyscan_from_base.translation + part * off;
@@ -454,8 +258,7 @@ Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
       odom_from_matched_.Inverse() * scan.odom_from_base;
   const geometry::Rigid2 map_from_predicted = map_from_base_;
   Covariance3 covariance{};
-  if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
-            &covariance)) {
+  if (Match(outline, scan, SearchAfter(since_match), &covariance)) {
     has_matched_ = true;
     unmatched_ = {};
     doubt_.Learn(since_match, map_from_predicted.Inverse() * map_from_base_);
@@ -488,7 +291,7 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
   NewKeyscan added = {.scan = outline,
                       .previous_from_this = {},
                       .slope = SlopeUnder(scan.level_from_base)};
-  if (!keyscans_.empty()) {
+  if (!Segment().empty()) {
     const Keyscan& previous = keyscans_.back();
     added.previous_from_this =
         previous.map_from_base.Inverse() * map_from_base_;
@@ -500,8 +303,8 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
                        .map_from_base = map_from_base_,
                        .height_m = height_m_,
                        .slope = added.slope});
-  ground_.Add(PlaceOf(keyscans_.back()));
-  if (!has_matched_ && keyscans_.size() > 1) {
+  if (!is_lost_) ground_.Add(keyscans_.back().Place());
+  if (!has_matched_ && Segment().size() > 1) {
     const OdometryDoubt::Sigma sigma =
         doubt_.SigmaOf(odom_from_matched_.Inverse() * scan.odom_from_base);
     unmatched_ = {.m = std::hypot(unmatched_.m, sigma.m),
@@ -513,7 +316,11 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
   climb_since_match_m_ = 0;
   matched_place_ = places_.size();
   matched_way_m_ = way_m_;
-  worker_.Add(std::move(added));
+  if (is_lost_) {
+    of_segment_.push_back(std::move(added));
+  } else {
+    worker_.Add(std::move(added));
+  }
 }
 
 void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
@@ -527,6 +334,11 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
     place.keyscan = keyscans_.size() - 1;
     place.keyscan_from_base = keyscan.map_from_base.Inverse() * map_from_base_;
     place.climb_m = height_m_ - keyscan.height_m;
+  }
+  if (is_lost_ &&
+      (Segment().empty() ||
+       recording::SecondsBetween(segment_since_, scan.stamp) < kCarried_s)) {
+    place.keyscan = kNowhere;
   }
   places_.push_back(place);
   odom_from_last_ = scan.odom_from_base;
@@ -548,35 +360,54 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
     const geometry::Rigid2& odom_from_base = scan.odom_from_base;
     is_keyscan = HasMoved(odom_from_keyscan_.Inverse() * odom_from_base,
                           options_.keyscan_m, options_.keyscan_rad);
-    if (is_keyscan || HasMoved(odom_from_matched_.Inverse() * odom_from_base,
-                               options_.still_m, options_.still_rad)) {
+    const bool has_moved =
+        HasMoved(odom_from_matched_.Inverse() * odom_from_base,
+                 options_.still_m, options_.still_rad);
+    if (is_keyscan || has_moved || IsElsewhere(scan)) {
       outline = OutlineOf(scan);
-      covariance = Locate(*outline, scan);
+      is_doubtful_ = false;
+      if (is_keyscan || has_moved) {
+        covariance = Locate(*outline, scan);
+      } else {
+        Glance(*outline, scan);
+      }
+      watch_.Note(scan.ranges_m);
+      if (watch_.Add(is_doubtful_, scan.stamp)) LoseWay(scan);
+      // What is in doubt is no reference; what a segment begins with is.
+      is_keyscan = is_lost_ && Segment().empty() ? !outline->empty()
+                                                 : is_keyscan && !is_doubtful_;
     }
   }
   statistics_.front_end_ms.push_back(base::ThreadProcessorTime_ms() - start_ms);
   if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
   AddPlace(scan);
   ++statistics_.scans;
+  if (is_lost_) LookForSegment(scan.stamp);
   return map_from_base_;
 }
 
 std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
   std::vector<TrajectoryPose> trajectory;
   trajectory.reserve(places_.size());
+  const size_t in_map = is_lost_ ? segment_begin_ : keyscans_.size();
   for (const ScanPlace& place : places_) {
+    // While it is in doubt whether it was carried off, it may have been.
+    const bool is_in_doubt =
+        watch_.in_doubt() &&
+        recording::SecondsBetween(place.stamp, watch_.since()) <= kCarried_s;
+    const bool is_known =
+        !is_in_doubt && (keyscans_.empty() || place.keyscan < in_map);
     const Keyscan keyscan =
-        keyscans_.empty() ? Keyscan{} : keyscans_[place.keyscan];
+        keyscans_.empty() || !is_known ? Keyscan{} : keyscans_[place.keyscan];
     trajectory.push_back(
         {.stamp = place.stamp,
          .map_from_base = keyscan.map_from_base * place.keyscan_from_base,
          .height_m = keyscan.height_m + place.climb_m,
-         .level_from_base = place.level_from_base});
+         .level_from_base = place.level_from_base,
+         .is_known = is_known});
   }
   return trajectory;
 }
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<LaserSlam>> LaserSlam::Create(
     const core::RangeSensorInfo& laser, const geometry::Rigid3& base_from_laser,

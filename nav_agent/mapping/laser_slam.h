@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/mapping/laser_slam_options.h"
 #include "nav_agent/mapping/loop_closer.h"
+#include "nav_agent/mapping/segment_finder.h"
 #include "nav_agent/mapping/trajectory_pose.h"
 #include "nav_agent/recording/recording_time.h"
 
@@ -34,6 +36,15 @@ struct LaserSlamScan {
   double height_m = 0;
   // How the robot moved, seen from above, from the first beam to the last.
   geometry::Rigid2 first_from_last{};
+};
+
+// The robot was carried off, and what became of it.
+struct Carry {
+  // Of the first scan that was not of where the robot seemed to be; of the one
+  // with which it was found, nullopt: it was not.
+  recording::RecordingTime at;
+  std::optional<recording::RecordingTime> found;
+  SegmentWitness who = SegmentWitness::kScans;
 };
 
 struct LaserSlamStatistics {
@@ -58,6 +69,7 @@ struct LaserSlamStatistics {
   // machine does not count, nor does closing loops.
   std::vector<double> front_end_ms;
   LoopCloserStatistics loops;
+  std::vector<Carry> carries;
 };
 
 // The front end, on the caller's thread: each scan is matched against a running
@@ -81,6 +93,16 @@ class LaserSlam {
   // shorter than odometry's: wheels slip on slopes.
   virtual absl::StatusOr<geometry::Rigid2> AddScan(
       const LaserSlamScan& scan) = 0;
+
+  // Whether nobody knows where the robot is: see
+  // LaserSlamOptions::notices_carries.
+  virtual bool IsLost() const = 0;
+  // Somebody has seen where a lost robot was at `stamp`, of scans since it got
+  // lost. It is believed once scans have confirmed it, over a metre of the way.
+  // False: it is not lost, or was not at that moment.
+  virtual bool SuggestPlace(recording::RecordingTime stamp,
+                            const geometry::Rigid2& map_from_base,
+                            double height_m) = 0;
 
   // Of the last scan, above the first (m).
   virtual double Height_m() const = 0;

@@ -20,8 +20,9 @@ absl::Status LaserSlamOptions::Validate() const {
       odometry.rad_per_m >= 0 && odometry.min_search_m >= 0 &&
       odometry.min_search_rad >= 0 && odometry.initial_scale >= 1;
   if (!lengths || !noise || window < 1 || min_points < 3 || min_alike < 1 ||
-      polish_rounds < 0 || !(graph.kernel_sigmas > 0) ||
-      graph.max_iterations < 1 || !(max_search_m <= 20)) {
+      polish_rounds < 0 || !carries.IsValid() || !segments.IsValid() ||
+      !(graph.kernel_sigmas > 0) || graph.max_iterations < 1 ||
+      !(max_search_m <= 20)) {
     return absl::InvalidArgumentError(
         "laser SLAM: lengths, angles, counts and what odometry may be wrong "
         "by must be above 0, max_search_m at most 20");

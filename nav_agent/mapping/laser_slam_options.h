@@ -3,11 +3,13 @@
 #define NAV_AGENT_MAPPING_LASER_SLAM_OPTIONS_H_
 
 #include "absl/status/status.h"
+#include "nav_agent/mapping/carry_watch.h"
 #include "nav_agent/mapping/loop_closer.h"
 #include "nav_agent/mapping/odometry_doubt.h"
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_matcher.h"
 #include "nav_agent/mapping/scan_outline.h"
+#include "nav_agent/mapping/segment_finder.h"
 
 namespace treeline::mapping {
 
@@ -56,6 +58,13 @@ struct LaserSlamOptions {
   // Below this response, or with fewer points, odometry is used instead.
   double min_response = 0.35;
   int min_points = 20;
+  // Whether a robot is noticed that is carried off, or loses its way while the
+  // laser is silent: what it sees from then on hangs on nothing until scans
+  // have found it in the map, and is left out if they never do. For odometry
+  // that is right within what is searched, as with a gyroscope.
+  bool notices_carries = false;
+  CarryWatchOptions carries;
+  SegmentFinderOptions segments;
   // Loops are closed within AddScan, instead of on a thread of their own: slow
   // but the same in every run.
   bool synchronous = false;

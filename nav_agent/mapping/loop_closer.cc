@@ -354,10 +354,15 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   }
   const double length_m = geometry::Norm(added.previous_from_this.translation);
   climbs_ = climbs_ || added.climb_m != 0 || added.slope != geometry::Vec2{};
-  poses_.push_back(poses_.back() * added.previous_from_this);
-  heights_m_.push_back(heights_m_.back() + added.climb_m);
-  way_m_.push_back(way_m_.back() + length_m);
-  Tie({.from = keyscan - 1,
+  const int previous = added.tied_to.value_or(keyscan - 1);
+  const auto slot = static_cast<size_t>(previous);
+  poses_.push_back(poses_[slot] * added.previous_from_this);
+  heights_m_.push_back(heights_m_[slot] + added.climb_m);
+  // Nobody knows the way of a robot that was carried: all that was before may
+  // be met again.
+  way_m_.push_back(way_m_.back() +
+                   (added.tied_to.has_value() ? MinLoop_m() : length_m));
+  Tie({.from = previous,
        .to = keyscan,
        .from_from_to = added.previous_from_this,
        .covariance = added.covariance,

@@ -85,8 +85,11 @@ struct LoopCloserOptions {
 // What the front end hands over for one keyscan.
 struct NewKeyscan {
   std::shared_ptr<const ScanOutline> scan;
-  // Where it is relative to the one before (ignored for the first), and how
-  // much higher (m).
+  // The keyscan that it is tied to instead of the one before: the robot was
+  // carried from there to here.
+  std::optional<int> tied_to = {};
+  // Where it is relative to the one before (ignored for the first), or to that
+  // one, and how much higher (m).
   geometry::Rigid2 previous_from_this;
   Covariance3 covariance{};
   double climb_m = 0;

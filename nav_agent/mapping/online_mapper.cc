@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
@@ -33,6 +34,22 @@ int64_t Nanoseconds(base::MonotonicTime stamp) {
       .count();
 }
 
+double SecondsOf(recording::RecordingTime time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+const char* FoundBy(SegmentWitness who) {
+  switch (who) {
+    case SegmentWitness::kScans:
+      return "scans found it";
+    case SegmentWitness::kBelief:
+      return "it had stayed where it was, as scans said";
+    case SegmentWitness::kServer:
+      return "the server found it, and scans confirmed it";
+  }
+  return "?";
+}
+
 bool IsLevel(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) < 1e-4;
 }
@@ -50,6 +67,7 @@ absl::StatusOr<std::unique_ptr<OnlineMapper>> OnlineMapper::Create(
                       core::SlopeOdometry::Create(odometry_options));
   LaserSlamOptions slam_options = options.slam;
   slam_options.odometry = options.odometry_noise;
+  slam_options.notices_carries = options.notices_carries;
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<LaserSlam> slam,
       LaserSlam::Create(laser, robot.base_from_laser, slam_options));
@@ -204,10 +222,20 @@ void OnlineMapper::KeepForGrid(const core::LaserScan& scan,
 }
 
 std::optional<dataset::TimedPose> OnlineMapper::MapFromBase() const {
-  if (odom_from_base_.empty()) return std::nullopt;
+  if (odom_from_base_.empty() || slam_->IsLost()) return std::nullopt;
   return dataset::TimedPose{
       .time = odom_from_base_.back().time,
       .world_from_camera = treeline::mapping::MapFromBase(last_)};
+}
+
+bool OnlineMapper::SuggestPlace(base::MonotonicTime stamp,
+                                const geometry::Rigid3& map_from_base) {
+  const geometry::Vec3& at = map_from_base.translation;
+  return slam_->SuggestPlace(
+      recording::RecordingTime(
+          std::chrono::duration_cast<std::chrono::nanoseconds>(
+              stamp.time_since_epoch())),
+      geometry::PlanarPose(map_from_base), at.z);
 }
 
 std::vector<dataset::TimedPose> OnlineMapper::Trajectory() const {
@@ -219,6 +247,7 @@ std::vector<dataset::TimedPose> OnlineMapper::Timed(
   std::vector<dataset::TimedPose> timed;
   timed.reserve(trajectory.size());
   for (size_t i = 0; i < trajectory.size(); ++i) {
+    if (!trajectory[i].is_known) continue;
     timed.push_back(
         {.time = odom_from_base_[i].time,
          .world_from_camera = treeline::mapping::MapFromBase(trajectory[i])});
@@ -233,7 +262,9 @@ absl::StatusOr<std::vector<FloorGrid>> OnlineMapper::Floors() const {
 absl::StatusOr<std::vector<FloorGrid>> OnlineMapper::Floors(
     const std::vector<TrajectoryPose>& trajectory) const {
   std::vector<const KeptScan*> by_height;
-  for (const KeptScan& kept : kept_) by_height.push_back(&kept);
+  for (const KeptScan& kept : kept_) {
+    if (trajectory[kept.place].is_known) by_height.push_back(&kept);
+  }
   const auto height_m = [&trajectory](const KeptScan* kept) {
     return trajectory[kept->place].height_m;
   };
@@ -292,6 +323,34 @@ std::vector<std::string> OnlineMapper::Warnings() const {
   return warnings;
 }
 
+std::vector<std::string> OnlineMapper::CarryWarnings(
+    const std::vector<TrajectoryPose>& trajectory) const {
+  std::vector<std::string> warnings;
+  for (const Carry& carry : Carries()) {
+    if (carry.found.has_value()) {
+      warnings.push_back(absl::StrFormat(
+          "at %.1f s the robot was carried off, or thought so; %s after %.1f s",
+          SecondsOf(carry.at), FoundBy(carry.who),
+          recording::SecondsBetween(carry.at, *carry.found)));
+    } else {
+      warnings.push_back(absl::StrFormat(
+          "at %.1f s the robot was carried off, to a place that the map does "
+          "not have, and did not come back to where it had been",
+          SecondsOf(carry.at)));
+    }
+  }
+  const auto unknown =
+      std::count_if(trajectory.begin(), trajectory.end(),
+                    [](const TrajectoryPose& pose) { return !pose.is_known; });
+  if (unknown > 0) {
+    warnings.push_back(absl::StrCat(
+        unknown, " of ", trajectory.size(),
+        " scans were left out, and the frames of their time: nobody knows "
+        "where the robot was carried meanwhile"));
+  }
+  return warnings;
+}
+
 absl::StatusOr<RecordingMap> OnlineMapper::Finish() {
   UseWaiting(true);
   slam_->Finish();
@@ -300,10 +359,14 @@ absl::StatusOr<RecordingMap> OnlineMapper::Finish() {
   mapping.laser = laser_;
   mapping.base_from_laser = robot_.base_from_laser;
   mapping.map_from_base = Timed(trajectory);
-  if (!trajectory.empty()) {
+  if (!trajectory.empty() && trajectory.back().is_known) {
     last_ = trajectory.back();
   }
-  mapping.odom_from_base = odom_from_base_;
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    if (trajectory[i].is_known) {
+      mapping.odom_from_base.push_back(odom_from_base_[i]);
+    }
+  }
   mapping.statistics = slam_->Statistics();
   const std::vector<double>& times_ms = mapping.statistics.front_end_ms;
   mapping.p50_ms = base::Quantile(times_ms, 0.50);
@@ -316,6 +379,9 @@ absl::StatusOr<RecordingMap> OnlineMapper::Finish() {
       wrong_beams_ + scans_back_in_time_ + scans_without_odometry_;
   mapping.refused_readings = refused_readings_;
   mapping.warnings = Warnings();
+  for (std::string& warning : CarryWarnings(trajectory)) {
+    mapping.warnings.push_back(std::move(warning));
+  }
   return mapping;
 }
 

@@ -36,12 +36,25 @@ class OnlineMapper {
   // goes backwards.
   absl::Status Add(core::LaserScan scan);
 
-  // The last scan that has found its place.
+  // The last scan that has found its place; nullopt also while nobody knows
+  // where the robot is.
   std::optional<dataset::TimedPose> MapFromBase() const;
+  // Whether the robot was carried off and has not been found yet.
+  bool IsLost() const { return slam_->IsLost(); }
+  // How often it was carried off, and found again.
+  std::vector<Carry> Carries() const { return slam_->Statistics().carries; }
+  // Somebody has seen where a lost robot was: see LaserSlam::SuggestPlace.
+  bool SuggestPlace(base::MonotonicTime stamp,
+                    const geometry::Rigid3& map_from_base);
+  // How the robot stands, as the inertial sensor says last.
+  geometry::Rotation3 LevelFromBase() const {
+    return samples_.empty() ? geometry::Rotation3{}
+                            : samples_.back().level_from_base;
+  }
   int64_t scans() const { return static_cast<int64_t>(odom_from_base_.size()); }
 
-  // Where the robot was at each scan so far, with all corrections that have
-  // arrived; in the order of time.
+  // Where the robot was at each scan so far of which that is known, with all
+  // corrections that have arrived; in the order of time.
   std::vector<dataset::TimedPose> Trajectory() const;
 
   // What was seen so far, floor by floor, with what is known now. The errors of
@@ -82,6 +95,8 @@ class OnlineMapper {
   absl::StatusOr<std::vector<FloorGrid>> Floors(
       const std::vector<TrajectoryPose>& trajectory) const;
   std::vector<dataset::TimedPose> Timed(
+      const std::vector<TrajectoryPose>& trajectory) const;
+  std::vector<std::string> CarryWarnings(
       const std::vector<TrajectoryPose>& trajectory) const;
   std::vector<std::string> Warnings() const;
 

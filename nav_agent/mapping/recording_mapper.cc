@@ -14,6 +14,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/online_mapper.h"
 #include "nav_agent/mapping/run_laser_slam.h"
+#include "nav_agent/mapping/seen_place.h"
 #include "nav_agent/recording/agent_log.h"
 #include "nav_agent/recording/laser_log.h"
 
@@ -71,7 +72,12 @@ class AgentLogMapping {
   absl::Status Take(const recording::LogFrame& /*frame*/) {
     return absl::OkStatus();
   }
-  absl::Status Take(const recording::LogEvent& /*event*/) {
+  absl::Status Take(const recording::LogEvent& event) {
+    const auto map_from_base = ParseSeenPlace(event.text);
+    // A robot that was found meanwhile does not need it.
+    if (map_from_base.has_value() && mapper_ != nullptr) {
+      mapper_->SuggestPlace(event.stamp, *map_from_base);
+    }
     return absl::OkStatus();
   }
   absl::Status Take(const recording::LogCommand& /*command*/) {

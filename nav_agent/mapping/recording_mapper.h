@@ -39,6 +39,8 @@ struct RecordingMapOptions {
   LaserSlamOptions slam;
   // In agent logs, this stands for slam.odometry: they have a gyroscope.
   OdometryNoise odometry_noise = OdometryNoise::WithGyroscope();
+  // In agent logs, for slam.notices_carries, for the same reason.
+  bool notices_carries = true;
   // Of agent logs; the wheel track is that of the log's robot if it names one.
   core::SlopeOdometryOptions odometry;
   // Of agent logs without a robot.

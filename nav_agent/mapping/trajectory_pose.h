@@ -14,6 +14,9 @@ struct TrajectoryPose {
   // Above the first scan, and as the scan says; see MapFromBase.
   double height_m = 0;
   geometry::Rotation3 level_from_base{};
+  // False: nobody knows where the robot was (LaserSlamOptions::carries), and
+  // the rest means nothing.
+  bool is_known = true;
 };
 
 // In space: Rz(yaw) level_from_base, at (x, y, height).

@@ -16,6 +16,7 @@
 #include "simulation/simulator/paced_runner.h"
 #include "simulation/simulator/scenario.h"
 #include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 
 namespace treeline::map_app {
 namespace {
@@ -129,6 +130,9 @@ class SimulatedDrive final : public Drive {
   static absl::StatusOr<std::unique_ptr<Drive>> Open(
       const LiveMappingOptions& options) {
     simulator::Scenario scenario;
+    if (!options.scenario.empty()) {
+      TL_ASSIGN_OR_RETURN(scenario, simulator::ReadScenario(options.scenario));
+    }
     scenario.world = options.simulate;
     scenario.options.seed = options.seed;
     const bool has_camera = options.camera != "none";
@@ -216,6 +220,9 @@ absl::Status LiveMappingOptions::Validate() const {
         absl::StrCat("'", camera,
                      "' is no camera; there are none, openni and, with "
                      "--simulate, simulated"));
+  }
+  if (!scenario.empty() && simulate.empty()) {
+    return absl::InvalidArgumentError("--scenario is for --simulate");
   }
   if (!(pace > 0))
     return absl::InvalidArgumentError("the pace must be above 0");

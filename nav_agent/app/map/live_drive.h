@@ -16,6 +16,9 @@ struct LiveMappingOptions {
   // A world for a simulated robot that drives its tour by itself; empty: real
   // sensors.
   std::string simulate;
+  // What happens to it meanwhile (simulator::ReadScenario), but for the world
+  // and the seed; empty: nothing.
+  std::string scenario;
   double speed_mps = 0.5;
   // Simulated seconds in a real one; infinity: as many as can be.
   double pace = 1;

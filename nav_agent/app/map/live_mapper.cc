@@ -11,6 +11,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "nav_agent/app/map/live_questions.h"
 #include "nav_agent/app/map/live_scene.h"
 #include "nav_agent/core/corrected_devices.h"
 
@@ -83,6 +84,7 @@ absl::Status LiveMapper::TakeScans() {
 absl::Status LiveMapper::TakeFrames() {
   if (sensors_.camera == nullptr) return absl::OkStatus();
   for (const core::RgbdFrame& frame : sensors_.camera->TakeFrames()) {
+    Ask(frame);
     if (last_frame_.has_value() &&
         frame.stamp - *last_frame_ < FromSeconds(options_.frame_interval_s)) {
       continue;
@@ -106,6 +108,16 @@ absl::Status LiveMapper::TakeFrames() {
   return absl::OkStatus();
 }
 
+void LiveMapper::Ask(core::RgbdFrame frame) {
+  if (options_.questions == nullptr || mapper_ == nullptr ||
+      !mapper_->IsLost()) {
+    return;
+  }
+  frame.stamp -= core::DelayOf(sensors_.correction.camera_delay_s);
+  frame.frame.calibration = sensors_.camera->Calibration();
+  options_.questions->Add(frame, *mapper_);
+}
+
 absl::Status LiveMapper::Poll() {
   for (core::BaseReading& reading : sensors_.odometry.TakeReadings()) {
     TL_RETURN_IF_ERROR(log_->Write(reading));
@@ -114,6 +126,11 @@ absl::Status LiveMapper::Poll() {
   }
   TL_RETURN_IF_ERROR(TakeScans());
   TL_RETURN_IF_ERROR(TakeFrames());
+  if (options_.questions != nullptr && mapper_ != nullptr) {
+    const auto seen =
+        options_.questions->Step(*mapper_, sensors_.robot.base_from_camera);
+    if (seen.has_value()) TL_RETURN_IF_ERROR(log_->Write(*seen));
+  }
   if (options_.scene != nullptr && mapper_ != nullptr &&
       clock_->Now() >= next_follow_) {
     next_follow_ = clock_->Now() + kFollowEvery;
@@ -153,6 +170,7 @@ LiveMapStatus LiveMapper::Status() const {
   if (mapper_ != nullptr) {
     status.scans = mapper_->scans();
     status.map_from_base = mapper_->MapFromBase();
+    status.is_lost = mapper_->IsLost();
   }
   Explain("laser", sensors_.laser.Health(), status.silent);
   Explain("base", sensors_.odometry.Health(), status.silent);

@@ -30,6 +30,7 @@ struct LiveSensors {
   core::SensorCorrection correction = {};
 };
 
+class LiveQuestions;
 class LiveScene;
 
 struct LiveMapOptions {
@@ -44,14 +45,19 @@ struct LiveMapOptions {
   mapping::RecordingMapOptions drive;
   // Is handed the frames that are recorded; null: nobody.
   LiveScene* scene = nullptr;
+  // Asks a server where the robot is when it was carried off; null: nobody.
+  LiveQuestions* questions = nullptr;
 };
 
 struct LiveMapStatus {
   int64_t scans = 0;
   int64_t frames = 0;
   int64_t log_bytes = 0;
-  // Where the robot is; nullopt until a scan has found its place.
+  // Where the robot is; nullopt until a scan has found its place, and while
+  // nobody knows.
   std::optional<dataset::TimedPose> map_from_base;
+  // It was carried off, and has not been found yet.
+  bool is_lost = false;
   // Which sensors are silent, and why; empty: none.
   std::string silent;
 };
@@ -79,6 +85,8 @@ class LiveMapper {
              std::unique_ptr<recording::AgentLogWriter> log);
   absl::Status TakeScans();
   absl::Status TakeFrames();
+  // Lets a lost robot be asked about.
+  void Ask(core::RgbdFrame frame);
   absl::Status Draw();
 
   const LiveSensors sensors_;

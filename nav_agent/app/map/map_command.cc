@@ -10,15 +10,19 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/relocalizer/connect_options.h"
+#include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
 #include "nav_agent/app/map/live_drive.h"
+#include "nav_agent/app/map/live_questions.h"
 #include "nav_agent/app/map/live_scene.h"
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
+#include "nav_agent/app/relocalization/server_relocalization.h"
 #include "nav_agent/app/ros/any_robot_file.h"
 #include "nav_agent/recording/log_correction.h"
 #include "nav_agent/ros_log/convert_log.h"
@@ -39,6 +43,12 @@ it meanwhile. The robot is pushed, or driven by its own remote control. Killed,
 the recording lacks a second at most: map it with --log. Addresses are
 /dev/ttyACM0, /dev/ttyUSB0@460800 or tcp:HOST:PORT.
 
+A robot that is carried off while it maps, or whose laser was silent for long,
+notices it: what it sees hangs on nothing until scans have found it in the map,
+and is left out if they never do. With --server, the server that serves the
+scene being learnt (--learn) is asked meanwhile; its answer counts once scans
+confirm it, over a metre of the way.
+
 BUNDLE then holds octomap.bt, levels/level-N.yaml and .pgm (where a robot may
 drive), keyframes (a recording in the layout of 7-Scenes), trajectory.txt (TUM)
 and map.png to look at; see docs/reference/map-bundle.md. From it, the scene's
@@ -54,6 +64,8 @@ Examples:
   treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
       --camera openni --output house
   treeline-agent map --live --ros2 robot.yaml --output house
+  treeline-agent map --live --hardware robot.yaml --output house \
+      --learn models --server 127.0.0.1:50051
   treeline-agent map --rgbd tum:rgbd_dataset_freiburg1_room --output room)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
@@ -63,6 +75,7 @@ struct MapFlags {
   bool is_live = false;
   LiveMappingOptions live;
   LiveSceneOptions scene;
+  relocalizer::ConnectOptions server;
   dataset::DatasetOptions rgbd;
   std::string calibration;
   MapOptions map;
@@ -238,6 +251,10 @@ absl::Status RunRgbd(const MapFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
+void PrintLine(const std::string& line) {
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
 void PrintStatus(const LiveMapStatus& status) {
   std::string line = absl::StrFormat(
       "%d scans, %d frames, %.1f MB", status.scans, status.frames,
@@ -247,6 +264,9 @@ void PrintStatus(const LiveMapStatus& status) {
         status.map_from_base->world_from_camera.translation;
     absl::StrAppendFormat(&line, "; at (%.1f, %.1f), height %.2f m", at.x, at.y,
                           at.z);
+  }
+  if (status.is_lost) {
+    absl::StrAppend(&line, "; carried off, and not found yet");
   }
   if (!status.silent.empty()) absl::StrAppend(&line, "; ", status.silent);
   std::fprintf(stderr, "%s\n", line.c_str());
@@ -268,6 +288,16 @@ void PrintScene(const LiveSceneStatus& status) {
   }
 }
 
+void PrintQuestions(const LiveQuestionStatus& status) {
+  if (status.asked == 0) return;
+  std::fprintf(stderr,
+               "Asked the server %lld times where the robot is; %lld answers "
+               "came, %lld of them could be right\n",
+               static_cast<long long>(status.asked),
+               static_cast<long long>(status.answered),
+               static_cast<long long>(status.suggested));
+}
+
 absl::StatusOr<std::unique_ptr<LiveScene>> OpenScene(const MapFlags& flags) {
   LiveSceneOptions options = flags.scene;
   options.scene = flags.map.SceneName();
@@ -275,11 +305,33 @@ absl::StatusOr<std::unique_ptr<LiveScene>> OpenScene(const MapFlags& flags) {
   options.log = flags.map.folder + "/learning.log";
   options.keyframe_m = flags.map.keyframe_m;
   options.keyframe_rad = flags.map.keyframe_rad;
-  options.say = [](const std::string& line) {
-    std::fprintf(stderr, "%s\n", line.c_str());
-  };
+  options.say = PrintLine;
   return LiveScene::Create(options);
 }
+
+// Who is asked about a lost robot, of --server.
+class Helpers {
+ public:
+  static absl::StatusOr<std::unique_ptr<Helpers>> Open(const MapFlags& flags) {
+    auto helpers = std::make_unique<Helpers>();
+    TL_ASSIGN_OR_RETURN(
+        helpers->port_,
+        relocalization::MakeServerRelocalization(
+            flags.server, flags.map.SceneName(), helpers->clock_));
+    LiveQuestionOptions options;
+    options.say = PrintLine;
+    helpers->questions_ =
+        std::make_unique<LiveQuestions>(*helpers->port_, options);
+    return helpers;
+  }
+
+  LiveQuestions& questions() { return *questions_; }
+
+ private:
+  base::SteadyClock clock_;
+  std::unique_ptr<core::RelocalizationPort> port_;
+  std::unique_ptr<LiveQuestions> questions_;
+};
 
 // Records a drive into the bundle's folder, and makes the map of it.
 absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
@@ -320,7 +372,13 @@ absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
     TL_ASSIGN_OR_RETURN(scene, OpenScene(flags));
     live.scene = scene.get();
   }
+  std::unique_ptr<Helpers> helpers;
+  if (!flags.server.server.empty()) {
+    TL_ASSIGN_OR_RETURN(helpers, Helpers::Open(flags));
+    live.questions = &helpers->questions();
+  }
   TL_RETURN_IF_ERROR(RecordLiveDrive(flags.live, stop));
+  if (helpers != nullptr) PrintQuestions(helpers->questions().status());
   std::fprintf(stderr, "Recorded in %s\n", live.log_path.c_str());
   if (scene != nullptr) PrintScene(scene->status());
   flags.log = live.log_path;
@@ -356,6 +414,12 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
         "--learn is for --live with a camera; of a map that is there, "
         "`treeline train --map` learns the scene");
   }
+  if (!flags.server.server.empty() &&
+      (!flags.is_live || flags.live.camera == "none") &&
+      flags.live.hardware.empty() && flags.live.ros2.empty()) {
+    return absl::InvalidArgumentError(
+        "--server is for --live with a camera: a lost robot is asked about");
+  }
   if (flags.is_live) return RunLive(flags, stop);
   if (!flags.robot.empty()) {
     TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
@@ -365,6 +429,22 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
   }
   return flags.log.empty() ? RunRgbd(flags, stop)
                            : RunLog(flags, stop).status();
+}
+
+void AddServerFlags(CLI::App& command, MapFlags& flags) {
+  command
+      .add_option("--server", flags.server.server,
+                  "--live: asked where the robot is when it was carried off: "
+                  "the server that serves what --learn learns")
+      ->type_name("HOST:PORT");
+  command
+      .add_option("--tls-ca", flags.server.tls.ca_file,
+                  "--server: use TLS, and trust these authorities (PEM)")
+      ->type_name("FILE");
+  command
+      .add_option("--token-file", flags.server.token_file,
+                  "--server: a file with the bearer token")
+      ->type_name("FILE");
 }
 
 }  // namespace
@@ -401,6 +481,11 @@ cli::Command AddMapCommand(CLI::App& app) {
       ->add_option("--simulate", flags->live.simulate,
                    "--live: a simulated robot drives through this world")
       ->type_name("WORLD");
+  command
+      ->add_option("--scenario", flags->live.scenario,
+                   "--simulate: what happens to the robot on its tour, and "
+                   "when (docs/reference/simulator.md)")
+      ->type_name("FILE");
   command
       ->add_option("--pace", flags->live.pace,
                    "--simulate: simulated seconds in a real one")
@@ -449,6 +534,7 @@ cli::Command AddMapCommand(CLI::App& app) {
                    "--learn: the program `treeline` (default: beside this one, "
                    "or in PATH)")
       ->type_name("PROGRAM");
+  AddServerFlags(*command, *flags);
   command->add_option("--output", flags->map.folder, "The map bundle's folder")
       ->type_name("BUNDLE")
       ->required();

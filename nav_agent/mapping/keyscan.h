@@ -1,0 +1,34 @@
+// A scan that is kept, with all that other scans are matched against.
+#ifndef NAV_AGENT_MAPPING_KEYSCAN_H_
+#define NAV_AGENT_MAPPING_KEYSCAN_H_
+
+#include <memory>
+
+#include "common/geometry/rigid2.h"
+#include "common/geometry/rigid3.h"
+#include "nav_agent/mapping/scan_outline.h"
+#include "nav_agent/mapping/scan_plane.h"
+
+namespace treeline::mapping {
+
+struct Keyscan {
+  std::shared_ptr<const ScanOutline> scan;
+  geometry::Rigid2 map_from_base;
+  double height_m = 0;
+  // Of the ground, in the base's axes.
+  geometry::Vec2 slope;
+
+  ScanPlane Plane() const {
+    return {.at = map_from_base.translation,
+            .height_m = height_m,
+            .slope = TurnedBy(map_from_base.yaw_rad, slope)};
+  }
+  geometry::Vec3 Place() const {
+    const geometry::Vec2 at = map_from_base.translation;
+    return {at.x, at.y, height_m};
+  }
+};
+
+}  // namespace treeline::mapping
+
+#endif  // NAV_AGENT_MAPPING_KEYSCAN_H_
