@@ -36,11 +36,6 @@ geometry::Rigid3 WorldFromDepth(const PosedDepth& frame,
              : frame.world_from_sensor;
 }
 
-std::optional<camera::Pixel> RayOf(const camera::Camera& camera, int pixel) {
-  return camera.Unproject({static_cast<double>(pixel % camera.width()),
-                           static_cast<double>(pixel / camera.width())});
-}
-
 // At a pixel of the depth image with that ray.
 std::optional<geometry::Vec3> DepthPoint(
     const PosedDepth& frame, const camera::RgbdCalibration& calibration,
@@ -51,18 +46,17 @@ std::optional<geometry::Vec3> DepthPoint(
   return geometry::Vec3{ray->x * z, ray->y * z, z};
 }
 
+// `rays` are those of all pixels.
 std::optional<geometry::Vec3> DepthPoint(
-    const PosedDepth& frame, const camera::RgbdCalibration& calibration, int u,
-    int v) {
+    const PosedDepth& frame, const camera::RgbdCalibration& calibration,
+    std::span<const std::optional<camera::Pixel>> rays, int u, int v) {
   const image::DepthImage& depth = frame.depth;
   if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) {
     return std::nullopt;
   }
   const int pixel = v * depth.width + u;
-  if (!image::IsMeasured(depth.values[static_cast<size_t>(pixel)])) {
-    return std::nullopt;
-  }
-  return DepthPoint(frame, calibration, pixel, RayOf(calibration.depth, pixel));
+  return DepthPoint(frame, calibration, pixel,
+                    rays[static_cast<size_t>(pixel)]);
 }
 
 double MeasuredDepth_m(const PosedDepth& frame, uint32_t pixel) {
@@ -121,10 +115,10 @@ struct SurfacePoint {
 
 // The surface at a depth pixel, from its neighbours right, left, below, above.
 std::optional<SurfacePoint> SurfaceAt(
-    const PosedDepth& frame, const camera::RgbdCalibration& calibration, int u,
-    int v) {
+    const PosedDepth& frame, const camera::RgbdCalibration& calibration,
+    std::span<const std::optional<camera::Pixel>> rays, int u, int v) {
   const auto at = [&](int du, int dv) {
-    return DepthPoint(frame, calibration, u + du, v + dv);
+    return DepthPoint(frame, calibration, rays, u + du, v + dv);
   };
   const auto center = at(0, 0);
   const auto right = at(kNormalStep_px, 0);
@@ -149,6 +143,7 @@ std::optional<SurfacePoint> SurfaceAt(
 SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
                                        const camera::RgbdCalibration& nominal)
     : frames_(frames) {
+  SetCalibration(nominal, /*threads=*/1);
   std::vector<geometry::Rigid3> world_from_depth;
   for (const PosedDepth& frame : frames) {
     world_from_depth.push_back(WorldFromDepth(frame, nominal));
@@ -164,25 +159,25 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
       if (i == j || angle < kMinAngle_rad || angle > kMaxAngle_rad) continue;
       const geometry::Rigid3 to_from =
           world_from_depth[j].Inverse() * world_from_depth[i];
-      Pair pair{i, j, {}, {}, {}, {}};
+      Pair pair{i, j, {}, {}};
       int overlap = 0;
       for (int k = 0;
            k < 4 * kPointsPerPair && pair.pixels.size() < kPointsPerPair; ++k) {
         const uint32_t pixel = random.NextBelow(
             static_cast<uint32_t>(frames[i].depth.values.size()));
         const int width = frames[i].depth.width;
-        const auto from =
-            SurfaceAt(frames[i], nominal, static_cast<int>(pixel) % width,
-                      static_cast<int>(pixel) / width);
+        const auto from = SurfaceAt(frames[i], nominal, rays_,
+                                    static_cast<int>(pixel) % width,
+                                    static_cast<int>(pixel) / width);
         if (!from) continue;
         pair.pixels.push_back(pixel);
         const geometry::Vec3 moved = to_from * from->point;
         if (moved.z <= 0.1) continue;
         const camera::Pixel p = nominal.depth.Project(moved);
         if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
-        const auto to =
-            DepthPoint(frames[j], nominal, static_cast<int>(std::lround(p.x)),
-                       static_cast<int>(std::lround(p.y)));
+        const auto to = DepthPoint(frames[j], nominal, rays_,
+                                   static_cast<int>(std::lround(p.x)),
+                                   static_cast<int>(std::lround(p.y)));
         overlap += to && std::abs(to->z - moved.z) < kOverlapDistance_m;
       }
       if (overlap < kMinOverlap * kPointsPerPair) continue;
@@ -192,9 +187,24 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
   }
 }
 
+void SurfaceConsistency::SetCalibration(
+    const camera::RgbdCalibration& calibration, int threads) {
+  calibration_ = calibration;
+  const camera::Camera& camera = calibration.depth;
+  const size_t width = static_cast<size_t>(camera.width());
+  rays_.resize(width * static_cast<size_t>(camera.height()));
+  base::ParallelFor(camera.height(), threads, [&](int64_t v) {
+    const size_t row = static_cast<size_t>(v) * width;
+    for (size_t u = 0; u < width; ++u) {
+      rays_[row + u] =
+          camera.Unproject({static_cast<double>(u), static_cast<double>(v)});
+    }
+  });
+}
+
 void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration,
                                    int threads) {
-  calibration_ = calibration;
+  SetCalibration(calibration, threads);
   base::ParallelFor(pairs(), threads, [&](int64_t i) {
     AssociatePair(pairs_[static_cast<size_t>(i)]);
   });
@@ -206,12 +216,10 @@ void SurfaceConsistency::AssociatePair(Pair& pair) const {
   const geometry::Rigid3 to_from = WorldFromDepth(to, calibration_).Inverse() *
                                    WorldFromDepth(from, calibration_);
   pair.partners.assign(pair.pixels.size(), Partner{});
-  pair.rays.assign(pair.pixels.size(), std::nullopt);
-  pair.partner_rays.assign(pair.pixels.size(), std::nullopt);
   for (size_t i = 0; i < pair.pixels.size(); ++i) {
     const int pixel = static_cast<int>(pair.pixels[i]);
-    pair.rays[i] = RayOf(calibration_.depth, pixel);
-    const auto point = DepthPoint(from, calibration_, pixel, pair.rays[i]);
+    const auto point =
+        DepthPoint(from, calibration_, pixel, rays_[pair.pixels[i]]);
     if (!point) continue;
     const geometry::Vec3 moved = to_from * *point;
     if (moved.z <= 0.1) continue;
@@ -219,10 +227,9 @@ void SurfaceConsistency::AssociatePair(Pair& pair) const {
     if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
     const int u = static_cast<int>(std::lround(p.x));
     const int v = static_cast<int>(std::lround(p.y));
-    const auto surface = SurfaceAt(to, calibration_, u, v);
+    const auto surface = SurfaceAt(to, calibration_, rays_, u, v);
     if (!surface) continue;
     pair.partners[i] = {v * to.depth.width + u, surface->normal};
-    pair.partner_rays[i] = RayOf(calibration_.depth, pair.partners[i].pixel);
   }
 }
 
@@ -243,7 +250,10 @@ void SurfaceConsistency::PairResiduals(
     const std::span<double> of_point =
         residuals.subspan(i * motions.size(), motions.size());
     const Partner& partner = pair.partners[i];
-    if (partner.pixel < 0 || !pair.rays[i] || !pair.partner_rays[i]) continue;
+    if (partner.pixel < 0) continue;
+    const Ray& known = rays_[pair.pixels[i]];
+    const Ray& partner_known = rays_[static_cast<size_t>(partner.pixel)];
+    if (!known || !partner_known) continue;
     // In measured units: a larger scale must not look better (or worse) for
     // its own sake, as it would where the camera only turns.
     const double from_z = MeasuredDepth_m(from, pair.pixels[i]);
@@ -251,18 +261,17 @@ void SurfaceConsistency::PairResiduals(
         MeasuredDepth_m(to, static_cast<uint32_t>(partner.pixel));
     const double weight = 1 / std::hypot(features::DepthSigma_m(from_z),
                                          features::DepthSigma_m(to_z));
-    const NearbyRay ray(calibration_.depth, pair.pixels[i], *pair.rays[i]);
+    const NearbyRay ray(calibration_.depth, pair.pixels[i], *known);
     const NearbyRay partner_ray(calibration_.depth,
                                 static_cast<uint32_t>(partner.pixel),
-                                *pair.partner_rays[i]);
+                                *partner_known);
     for (size_t k = 0; k < motions.size(); ++k) {
       const Motion& motion = motions[k];
       const camera::Camera& camera = calibrations[k].depth;
       const camera::Pixel a =
-          motion.has_known_rays ? *pair.rays[i] : ray.Through(camera);
-      const camera::Pixel b = motion.has_known_rays
-                                  ? *pair.partner_rays[i]
-                                  : partner_ray.Through(camera);
+          motion.has_known_rays ? *known : ray.Through(camera);
+      const camera::Pixel b =
+          motion.has_known_rays ? *partner_known : partner_ray.Through(camera);
       const geometry::Vec3 moved =
           motion.rotation * geometry::Vec3{from_z * a.x, from_z * a.y, from_z} +
           motion.translation;
@@ -303,10 +312,12 @@ double SurfaceConsistency::Rms_m(double cutoff_m) const {
     for (size_t i = 0; i < pair.pixels.size(); ++i) {
       const Partner& partner = pair.partners[i];
       if (partner.pixel < 0) continue;
-      const auto point = DepthPoint(
-          from, calibration_, static_cast<int>(pair.pixels[i]), pair.rays[i]);
+      const auto point =
+          DepthPoint(from, calibration_, static_cast<int>(pair.pixels[i]),
+                     rays_[pair.pixels[i]]);
       const auto surface =
-          DepthPoint(to, calibration_, partner.pixel, pair.partner_rays[i]);
+          DepthPoint(to, calibration_, partner.pixel,
+                     rays_[static_cast<size_t>(partner.pixel)]);
       if (!point || !surface) continue;
       const double distance =
           geometry::Dot(partner.normal, to_from * *point - *surface) /

@@ -60,10 +60,9 @@ class SurfaceConsistency {
     size_t to = 0;
     std::vector<uint32_t> pixels;   // compared depth pixels of `from`
     std::vector<Partner> partners;  // what they fall on, slot by slot
-    // Through the depth camera: of the pixels, and of their partners.
-    std::vector<Ray> rays;
-    std::vector<Ray> partner_rays;
   };
+
+  void SetCalibration(const camera::RgbdCalibration& calibration, int threads);
 
   void AssociatePair(Pair& pair) const;
   void PairResiduals(const Pair& pair,
@@ -75,6 +74,7 @@ class SurfaceConsistency {
   // Of the last association. Most calibrations that are compared with it have
   // the same depth camera, and undistorting pixels is what costs most.
   camera::RgbdCalibration calibration_;
+  std::vector<Ray> rays_;  // of its depth pixels, row-major
 };
 
 }  // namespace treeline::training
