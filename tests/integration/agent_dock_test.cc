@@ -46,8 +46,10 @@ TEST_F(AgentRunTest, ALowBatteryIsChargedAndTheRouteGoesOn) {
                                  "routes:\n"
                                  "  - name: rounds\n"
                                  "    waypoints:\n"
-                                 "      - {x: 2.6, y: 7.7}\n"
-                                 "      - {x: 4.6, y: 7.7}\n")
+                                 // Three metres: longer than it takes to be
+                                 // sure that the battery is low.
+                                 "      - {x: 4.6, y: 7.7}\n"
+                                 "      - {x: 2.6, y: 7.7}\n")
                   .ok());
   Ask({"route", "save", file});
   const std::string told = Ask({"route", "run", "rounds", "--quiet"});
