@@ -24,22 +24,6 @@ bool CarryWatchOptions::IsValid() const {
          changed_share > 0 && changed_m > 0;
 }
 
-Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
-                                  const ScanOutline& scan,
-                                  const geometry::Rigid2& map_from_base) {
-  const SeenSpace here(scan);
-  Contradictions found;
-  for (const Keyscan& keyscan :
-       keyscans.last(std::min(kAsked, keyscans.size()))) {
-    const geometry::Rigid2 here_from_keyscan =
-        map_from_base.Inverse() * keyscan.map_from_base;
-    found += here.Contradicted(*keyscan.scan, here_from_keyscan);
-    found += SeenSpace(*keyscan.scan)
-                 .Contradicted(scan, here_from_keyscan.Inverse());
-  }
-  return found;
-}
-
 bool CarryWatch::IsDoubtful(const Evidence& evidence) const {
   if (Tilt_rad(evidence.level_from_base) > options_.lifted_rad) return true;
   const double poorer = evidence.usual_response - evidence.response;
@@ -52,7 +36,8 @@ bool CarryWatch::IsDoubtful(const Evidence& evidence) const {
   }
   if (!is_poor) return false;
   const Contradictions found = ContradictionsWith(
-      evidence.keyscans, *evidence.scan, evidence.map_from_base);
+      evidence.keyscans.last(std::min(kAsked, evidence.keyscans.size())),
+      *evidence.scan, evidence.map_from_base);
   return found.told >= options_.min_told &&
          found.Share() > (evidence.stands ? options_.max_contradicted_standing
                                           : options_.max_contradicted);

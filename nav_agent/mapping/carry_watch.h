@@ -10,7 +10,6 @@
 #include "common/geometry/rigid2.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/mapping/keyscan.h"
-#include "nav_agent/mapping/scan_agreement.h"
 #include "nav_agent/recording/recording_time.h"
 
 namespace treeline::mapping {
@@ -43,11 +42,6 @@ struct CarryWatchOptions {
 
   bool IsValid() const;
 };
-
-// Between a scan and the last keyscans that are near to it.
-Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
-                                  const ScanOutline& scan,
-                                  const geometry::Rigid2& map_from_base);
 
 // Not thread-safe.
 class CarryWatch {

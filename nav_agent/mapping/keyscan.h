@@ -3,9 +3,11 @@
 #define NAV_AGENT_MAPPING_KEYSCAN_H_
 
 #include <memory>
+#include <span>
 
 #include "common/geometry/rigid2.h"
 #include "common/geometry/rigid3.h"
+#include "nav_agent/mapping/scan_agreement.h"
 #include "nav_agent/mapping/scan_outline.h"
 #include "nav_agent/mapping/scan_plane.h"
 
@@ -28,6 +30,11 @@ struct Keyscan {
     return {at.x, at.y, height_m};
   }
 };
+
+// Between a scan and each of the keyscans.
+Contradictions ContradictionsWith(std::span<const Keyscan> keyscans,
+                                  const ScanOutline& scan,
+                                  const geometry::Rigid2& map_from_base);
 
 }  // namespace treeline::mapping
 

@@ -432,9 +432,8 @@ Contradictions LoopCloser::Between(int a, int b,
                                    const geometry::Rigid2& a_from_b) const {
   const auto slot_a = static_cast<size_t>(a);
   const auto slot_b = static_cast<size_t>(b);
-  Contradictions found = seen_[slot_a].Contradicted(*scans_[slot_b], a_from_b);
-  found += seen_[slot_b].Contradicted(*scans_[slot_a], a_from_b.Inverse());
-  return found;
+  return ContradictionsBetween(*scans_[slot_a], seen_[slot_a], *scans_[slot_b],
+                               seen_[slot_b], a_from_b);
 }
 
 Contradictions LoopCloser::ContradictionsAmong() const {

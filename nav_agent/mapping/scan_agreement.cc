@@ -149,4 +149,14 @@ Contradictions SeenSpace::Contradicted(
   return found;
 }
 
+Contradictions ContradictionsBetween(const ScanOutline& a,
+                                     const SeenSpace& seen_by_a,
+                                     const ScanOutline& b,
+                                     const SeenSpace& seen_by_b,
+                                     const geometry::Rigid2& a_from_b) {
+  Contradictions found = seen_by_a.Contradicted(b, a_from_b);
+  found += seen_by_b.Contradicted(a, a_from_b.Inverse());
+  return found;
+}
+
 }  // namespace treeline::mapping

@@ -66,6 +66,13 @@ class SeenSpace {
   std::array<float, kDirections> clear_m_{};
 };
 
+// What two scans tell of each other.
+Contradictions ContradictionsBetween(const ScanOutline& a,
+                                     const SeenSpace& seen_by_a,
+                                     const ScanOutline& b,
+                                     const SeenSpace& seen_by_b,
+                                     const geometry::Rigid2& a_from_b);
+
 }  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_SCAN_AGREEMENT_H_

@@ -51,20 +51,14 @@ std::vector<PlacedScan> Placed(std::span<const Keyscan> map,
   return placed;
 }
 
-Contradictions Between(std::span<const Keyscan> map,
-                       const std::vector<size_t>& near, const ScanOutline& scan,
-                       const geometry::Rigid2& map_from_scan) {
-  const SeenSpace here(scan);
-  Contradictions found;
-  for (size_t n = 0; n < std::min(kAsked, near.size()); ++n) {
-    const Keyscan& other = map[near[n]];
-    const geometry::Rigid2 here_from_other =
-        map_from_scan.Inverse() * other.map_from_base;
-    found += here.Contradicted(*other.scan, here_from_other);
-    found +=
-        SeenSpace(*other.scan).Contradicted(scan, here_from_other.Inverse());
+// The first of those that are named.
+std::vector<Keyscan> Asked(std::span<const Keyscan> map,
+                           const std::vector<size_t>& near) {
+  std::vector<Keyscan> asked;
+  for (const size_t i : std::span(near).first(std::min(kAsked, near.size()))) {
+    asked.push_back(map[i]);
   }
-  return found;
+  return asked;
 }
 
 }  // namespace
@@ -173,7 +167,7 @@ void SegmentFinder::Compare(std::span<const Keyscan> map,
   const ScanMatch match =
       MatchScan(grid, *at.scan, at.map_from_base, search, matcher_);
   const Contradictions contradicted =
-      Between(map, near, *at.scan, match.target_from_scan);
+      ContradictionsWith(Asked(map, near), *at.scan, match.target_from_scan);
   if (contradicted.told < options_.min_told) return;
   ++place.told;
   const double share = contradicted.Share();

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "nav_agent/mapping/keyscan.h"
-#include "nav_agent/mapping/scan_agreement.h"
 #include "nav_agent/mapping/scan_matcher.h"
 
 namespace treeline::mapping {

@@ -229,6 +229,8 @@ std::optional<FocalEstimate> Minimize(const Residuals& residuals,
         factors.solve(Vector<kUnknowns>::Unit(kFocalIndex))[kFocalIndex] *
         std::max(1.0, sum.value / degrees);
   }
+  // Rounding may leave nothing of it where the focal length is hardly told.
+  if (!(variance > 0)) return std::nullopt;
   return FocalEstimate{std::exp(at.log_focal), std::sqrt(variance)};
 }
 

@@ -30,6 +30,10 @@ constexpr double kNearest_m = 0.05;
 constexpr double kMinAgreement = 0.3;
 constexpr double kMinGain = 2;
 constexpr double kMinUnitGain = 1.5;
+// With another unit so many times as much as with no positions at all: of a
+// camera that mostly turns, and whose positions are noisy, any unit that leaves
+// little of them fits better.
+constexpr double kMinPositionGain = 1.08;
 
 struct Reading {
   const char* text;
@@ -44,6 +48,16 @@ struct Reading {
 Rigid3 FromOpenGl(const Rigid3& pose) {
   return pose * Rigid3{Rotation3{.w = 0, .x = 1, .y = 0, .z = 0}, {}};
 }
+
+// Of x right, y up, z forward, of the camera and of the world.
+Rigid3 FromLeftHanded(const Rigid3& pose) {
+  const Rotation3& q = pose.rotation;
+  const geometry::Vec3& t = pose.translation;
+  return {Rotation3{.w = q.w, .x = -q.x, .y = q.y, .z = -q.z},
+          {t.x, -t.y, t.z}};
+}
+
+Rigid3 WithoutPosition(const Rigid3& pose) { return {pose.rotation, {}}; }
 
 // Of w, x, y, z that were read as x, y, z, w, and the other way round.
 Rigid3 FromWFirst(const Rigid3& pose) {
@@ -61,23 +75,21 @@ const std::vector<Reading>& OtherReadings() {
        [](const Rigid3& p) { return p.Inverse(); }},
       {"the camera's axes were OpenGL's (y up, z backwards)",
        "turn them to x right, y down, z forward", FromOpenGl},
-      {"the poses were the inverse of what is read, with OpenGL's axes (y up, "
-       "z "
-       "backwards)",
+      {"the axes were left-handed, as Unity's are (y up, z forward)",
+       "mirror positions and rotations in y", FromLeftHanded},
+      {"the poses were the inverse of what is read, with OpenGL's axes",
        "invert them, and turn the axes to x right, y down, z forward",
        [](const Rigid3& p) { return FromOpenGl(p.Inverse()); }},
       {"quaternions were qw qx qy qz, and are read as qx qy qz qw",
        "put qw last", FromWFirst},
       {"quaternions were qx qy qz qw, and are read as qw qx qy qz",
        "put qw first", FromWLast},
-      {"the poses were the inverse of what is read, with quaternions qw qx qy "
-       "qz that "
-       "are read as qx qy qz qw",
+      {"the poses were the inverse of what is read, with quaternions qw qx "
+       "qy qz that are read as qx qy qz qw",
        "invert them, and put qw last",
        [](const Rigid3& p) { return FromWFirst(p).Inverse(); }},
-      {"the poses were the inverse of what is read, with quaternions qx qy qz "
-       "qw that "
-       "are read as qw qx qy qz",
+      {"the poses were the inverse of what is read, with quaternions qx qy "
+       "qz qw that are read as qw qx qy qz",
        "invert them, and put qw first",
        [](const Rigid3& p) { return FromWLast(p).Inverse(); }},
       {"depth were 5 times as large",
@@ -200,11 +212,13 @@ std::optional<OtherConvention> FindOtherConvention(
   const Agreement agreement(frames, calibration, threads);
   OtherConvention found;
   found.agreement_as_read = agreement.Of({}, threads);
+  const double by_turning = agreement.Of({"", "", WithoutPosition}, threads);
   for (const Reading& reading : OtherReadings()) {
     const double share = agreement.Of(reading, threads);
     const double gain = reading.meant ? kMinGain : kMinUnitGain;
     if (share < std::max(kMinAgreement, gain * found.agreement_as_read) ||
-        share <= found.agreement) {
+        share <= found.agreement ||
+        (!reading.meant && share < kMinPositionGain * by_turning)) {
       continue;
     }
     found.agreement = share;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"
@@ -73,6 +74,18 @@ TEST(PoseConvention, OtherAxesAreNamed) {
               HasSubstr("the inverse of what is read, with OpenGL's axes"));
 }
 
+// As Unity writes them, of whom nobody has told that y points down here.
+TEST(PoseConvention, LeftHandedAxesAreNamed) {
+  EXPECT_THAT(Reading(Changed(BoxFrames(),
+                              [](PosedDepth& frame) {
+                                geometry::Rigid3& p = frame.world_from_sensor;
+                                p.rotation.x = -p.rotation.x;
+                                p.rotation.z = -p.rotation.z;
+                                p.translation.y = -p.translation.y;
+                              })),
+              HasSubstr("left-handed"));
+}
+
 TEST(PoseConvention, OtherOrdersOfQuaternionsAreNamed) {
   EXPECT_THAT(Reading(Changed(BoxFrames(),
                               [](PosedDepth& frame) {
@@ -106,6 +119,25 @@ TEST(PoseConvention, OtherUnitsAreNamed) {
                               t = 1000 * t;
                             })),
             "positions were in millimetres");
+}
+
+// A camera that turns in a place, and whose positions are noise: no unit makes
+// that better than no positions do.
+TEST(PoseConvention, NoisyPositionsAreNoOtherUnit) {
+  std::vector<PosedDepth> frames;
+  base::Random random(3, 1);
+  for (const geometry::Rigid3& pose : BoxRoomPoses(40)) {
+    const geometry::Rigid3 turned = {pose.rotation, {}};
+    frames.push_back(
+        {*RenderBoxRoom(BoxRoomCalibration(), turned).depth, turned});
+  }
+  EXPECT_FALSE(Found(frames).has_value());
+  for (PosedDepth& frame : frames) {
+    frame.world_from_sensor.translation = {0.1 * random.NextGaussian(),
+                                           0.1 * random.NextGaussian(),
+                                           0.1 * random.NextGaussian()};
+  }
+  EXPECT_FALSE(Found(frames).has_value());
 }
 
 // Poses of nothing in particular fit under no reading.
