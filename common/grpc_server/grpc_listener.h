@@ -21,7 +21,7 @@ namespace treeline::grpc_server {
 // A plugin of gRPC, which brings a service along. They are global: a builder
 // has all that were enabled before it was made.
 struct GrpcPlugin {
-  // As it calls itself: "proto_server_reflection".
+  // As it calls itself: "channelz".
   std::string name;
   // Is called once in a process.
   void (*enable)();

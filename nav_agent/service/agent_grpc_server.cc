@@ -1,9 +1,9 @@
 #include "nav_agent/service/agent_grpc_server.h"
 
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
-
 #include <chrono>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
@@ -11,6 +11,7 @@
 #include "common/base/status_macros.h"
 #include "common/flood_guard/flood_guard.h"
 #include "common/grpc_server/grpc_listener.h"
+#include "common/grpc_server/reflection_service.h"
 #include "nav_agent/service/grpc_services.h"
 
 namespace treeline::agent_service {
@@ -27,9 +28,12 @@ constexpr auto kGrace = std::chrono::seconds(1);
 constexpr flood_guard::FloodLimits kFloodLimits{
     .calls_per_s = 500, .open_calls = 512, .connections = 128};
 
-grpc_server::GrpcPlugin Reflection() {
-  return {"proto_server_reflection",
-          &grpc::reflection::InitProtoReflectionServerBuilderPlugin};
+std::vector<std::string> ServiceNames(bool is_simulated) {
+  std::vector<std::string> names = {"grpc.health.v1.Health",
+                                    "treeline.v1.NavigationService",
+                                    "treeline.v1.DockingService"};
+  if (is_simulated) names.emplace_back("treeline.v1.SimulationService");
+  return names;
 }
 
 }  // namespace
@@ -58,7 +62,8 @@ struct AgentGrpcServer::Parts {
                                                         options.report)),
         navigation(commands, options.max_streams),
         docking(commands, options.max_streams),
-        simulation(commands) {}
+        simulation(commands),
+        reflection(ServiceNames(commands.is_simulated())) {}
   ~Parts() { guard->StopReporting(); }
 
   const base::SteadyClock clock;
@@ -66,6 +71,7 @@ struct AgentGrpcServer::Parts {
   NavigationGrpcService navigation;
   DockingGrpcService docking;
   SimulationGrpcService simulation;
+  grpc_server::ReflectionService reflection;
   grpc_server::GrpcListener listener;
 };
 
@@ -84,7 +90,6 @@ absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
   TL_ASSIGN_OR_RETURN(parts->listener,
                       grpc_server::StartGrpcListener(
                           {.listen = options.listen,
-                           .plugins = {Reflection()},
                            .max_message_bytes = kMaxMessageBytes,
                            .max_threads = options.max_streams + kMoreThreads,
                            .keepalive_time_ms = kKeepaliveTime_ms,
@@ -93,6 +98,7 @@ absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
                           [&](grpc::ServerBuilder& builder) {
                             builder.RegisterService(&parts->navigation);
                             builder.RegisterService(&parts->docking);
+                            builder.RegisterService(&parts->reflection);
                             if (commands.is_simulated()) {
                               builder.RegisterService(&parts->simulation);
                             }

@@ -12,9 +12,9 @@
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "common/grpc_server/grpc_listener.h"
+#include "common/grpc_server/reflection_service.h"
 #include "server/service/grpc_services.h"
 #include "server/service/health_service.h"
-#include "server/service/reflection_service.h"
 #include "server/service/scene_health.h"
 
 namespace treeline::service {
@@ -96,7 +96,7 @@ struct GrpcServer::Parts {
   RelocalizationGrpcService relocalization;
   SceneGrpcService scenes;
   HealthGrpcService health;
-  ReflectionGrpcService reflection;
+  grpc_server::ReflectionService reflection;
   grpc_server::GrpcListener listener;
   std::optional<SceneHealth> scene_health;
 };

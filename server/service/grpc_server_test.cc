@@ -291,35 +291,35 @@ TEST_F(GrpcServerTest, OnlyTheAdminListenerAdministers) {
             grpc::UNIMPLEMENTED);
 }
 
-// grpc.reflection.v1alpha: field 7 asks for the names of the services.
+// The names of the services, by grpc.reflection of that version.
+std::string ListedServices(const std::shared_ptr<grpc::Channel>& channel,
+                           const std::string& version) {
+  grpc::GenericStub stub(channel);
+  grpc::ClientContext context;
+  // A ServerReflectionRequest: field 7 is list_services.
+  const grpc::Slice list_services(std::string("\x3a\x01*"));
+  const grpc::ByteBuffer request(&list_services, 1);
+  grpc::ByteBuffer answer;
+  absl::Notification done;
+  stub.UnaryCall(
+      &context,
+      "/grpc.reflection." + version + ".ServerReflection/ServerReflectionInfo",
+      {}, &request, &answer, [&](const grpc::Status& status) {
+        EXPECT_TRUE(status.ok()) << status.error_message();
+        done.Notify();
+      });
+  done.WaitForNotification();
+  return StringOf(answer);
+}
+
 TEST_F(GrpcServerTest, ReflectionNamesTheServices) {
   StartServer();
-  grpc::GenericStub stub(channel_);
-  grpc::ClientContext context;
-  grpc::CompletionQueue queue;
-  const auto call = stub.PrepareCall(
-      &context,
-      "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue);
-  const auto wait = [&queue] {
-    void* tag = nullptr;
-    bool ok = false;
-    return queue.Next(&tag, &ok) && ok;
-  };
-  call->StartCall(nullptr);
-  ASSERT_TRUE(wait());
-  const grpc::Slice list_services(std::string("\x3a\x01*"));
-  call->WriteLast(grpc::ByteBuffer(&list_services, 1), {}, nullptr);
-  ASSERT_TRUE(wait());
-  grpc::ByteBuffer answer;
-  call->Read(&answer, nullptr);
-  ASSERT_TRUE(wait());
-  EXPECT_THAT(StringOf(answer), HasSubstr("treeline.v1.RelocalizationService"));
-  EXPECT_THAT(StringOf(answer), HasSubstr("treeline.v1.SceneService"));
-  EXPECT_THAT(StringOf(answer), HasSubstr("grpc.health.v1.Health"));
-  grpc::Status status;
-  call->Finish(&status, nullptr);
-  EXPECT_TRUE(wait());
-  EXPECT_TRUE(status.ok()) << status.error_message();
+  for (const char* version : {"v1", "v1alpha"}) {
+    EXPECT_THAT(ListedServices(channel_, version),
+                AllOf(HasSubstr("treeline.v1.RelocalizationService"),
+                      HasSubstr("treeline.v1.SceneService"),
+                      HasSubstr("grpc.health.v1.Health")));
+  }
 }
 
 TEST_F(GrpcServerTest, StopLetsCallsInFlightFinish) {

@@ -26,7 +26,7 @@ constexpr int kMaxRetries = 100;
 // One unary call in flight. Lives until gRPC is done with it.
 template <typename Request, typename Response>
 class UnaryCall final
-    : public RawReactor,
+    : public grpc_server::RawReactor,
       public std::enable_shared_from_this<UnaryCall<Request, Response>> {
  public:
   using Method = void (Dispatcher::*)(CallInfo, const Request&,
@@ -154,7 +154,7 @@ class UnaryCall final
 };
 
 template <typename Request, typename Response>
-RawService::MakeReactor Unary(
+grpc_server::RawService::MakeReactor Unary(
     Dispatcher& dispatcher,
     void (Dispatcher::*method)(CallInfo, const Request&,
                                Dispatcher::Done<Response>),

@@ -3,15 +3,15 @@
 #ifndef SERVER_SERVICE_GRPC_SERVICES_H_
 #define SERVER_SERVICE_GRPC_SERVICES_H_
 
+#include "common/grpc_server/raw_service.h"
 #include "server/service/deadline_timer.h"
 #include "server/service/dispatcher.h"
 #include "server/service/grpc_call.h"
 #include "server/service/localize_stream.h"
-#include "server/service/raw_service.h"
 
 namespace treeline::service {
 
-class RelocalizationGrpcService final : public RawService {
+class RelocalizationGrpcService final : public grpc_server::RawService {
  public:
   // All must outlive the server that the service is registered with.
   RelocalizationGrpcService(Dispatcher& dispatcher, const CallSource& source);
@@ -26,7 +26,7 @@ class RelocalizationGrpcService final : public RawService {
   LocalizeStreams streams_;
 };
 
-class SceneGrpcService final : public RawService {
+class SceneGrpcService final : public grpc_server::RawService {
  public:
   SceneGrpcService(Dispatcher& dispatcher, const CallSource& source);
 

@@ -1,8 +1,5 @@
 #include "server/service/health_service.h"
 
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/wire_format_lite.h>
-
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,48 +11,36 @@
 namespace treeline::service {
 namespace {
 
-using google::protobuf::internal::WireFormatLite;
-using google::protobuf::io::CodedInputStream;
+using grpc::health::v1::HealthCheckRequest;
+using grpc::health::v1::HealthCheckResponse;
 
 // A name of a service is shorter.
 constexpr size_t kMaxRequestBytes = 1024;
 // At a time: anybody may watch the whole server.
 constexpr size_t kMaxWatchers = 1000;
-// Field 1, a varint.
-constexpr char kStatusTag = 0x08;
-// Field 1, a text.
-constexpr uint32_t kNameTag = 0x0a;
 
 grpc::ByteBuffer HealthResponse(ServingStatus status) {
-  const grpc::Slice slice(std::string{kStatusTag, static_cast<char>(status)});
+  HealthCheckResponse response;
+  response.set_status(status);
+  const grpc::Slice slice(response.SerializeAsString());
   return grpc::ByteBuffer(&slice, 1);
 }
 
 }  // namespace
 
 absl::StatusOr<std::string> DecodeHealthRequest(absl::string_view bytes) {
-  const absl::Status wrong = base::WithReason(
-      absl::InvalidArgumentError("the request is not a HealthCheckRequest"),
-      "INVALID_REQUEST");
-  CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
-                         static_cast<int>(bytes.size()));
-  std::string name;
-  while (const uint32_t tag = input.ReadTag()) {
-    uint32_t length = 0;
-    const bool is_read =
-        tag == kNameTag
-            ? input.ReadVarint32(&length) && length <= bytes.size() &&
-                  input.ReadString(&name, static_cast<int>(length))
-            : WireFormatLite::SkipField(&input, tag);
-    if (!is_read) return wrong;
+  HealthCheckRequest request;
+  if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return base::WithReason(
+        absl::InvalidArgumentError("the request is not a HealthCheckRequest"),
+        "INVALID_REQUEST");
   }
-  if (!input.ConsumedEntireMessage()) return wrong;
-  return name;
+  return std::move(*request.mutable_service());
 }
 
 // One Check or one Watch. Lives until gRPC is done with it.
 class HealthGrpcService::Call final
-    : public RawReactor,
+    : public grpc_server::RawReactor,
       public std::enable_shared_from_this<HealthGrpcService::Call> {
  public:
   Call(HealthGrpcService& service, grpc::CallbackServerContext& context,
@@ -110,7 +95,7 @@ class HealthGrpcService::Call final
 
   void Check() {
     const ServingStatus status = service_.Get(name_);
-    if (status == ServingStatus::kServiceUnknown) {
+    if (status == HealthCheckResponse::SERVICE_UNKNOWN) {
       End(absl::NotFoundError("service name unknown"));
       return;
     }
@@ -210,9 +195,9 @@ absl::Status HealthGrpcService::MayAsk(
 ServingStatus HealthGrpcService::Get(const std::string& name) {
   absl::MutexLock lock(&mutex_);
   const auto found = serving_.find(name);
-  if (found == serving_.end()) return ServingStatus::kServiceUnknown;
-  return found->second && !stopped_ ? ServingStatus::kServing
-                                    : ServingStatus::kNotServing;
+  if (found == serving_.end()) return HealthCheckResponse::SERVICE_UNKNOWN;
+  return found->second && !stopped_ ? HealthCheckResponse::SERVING
+                                    : HealthCheckResponse::NOT_SERVING;
 }
 
 void HealthGrpcService::Set(const std::string& name, bool is_serving) {

@@ -10,20 +10,20 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
+#include "common/grpc_server/raw_service.h"
+#include "grpc/health/v1/health.pb.h"
 #include "server/service/dispatcher.h"
 #include "server/service/grpc_call.h"
-#include "server/service/raw_service.h"
 
 namespace treeline::service {
 
-// As of grpc.health.v1.HealthCheckResponse.
-enum class ServingStatus { kServing = 1, kNotServing = 2, kServiceUnknown = 3 };
+using ServingStatus = grpc::health::v1::HealthCheckResponse::ServingStatus;
 
 // Check and Watch. gRPC's own service tells everyone about every name, and
 // reads requests of any size. Here "", the whole server, is told to all; a
 // scene (HealthServiceOf) to who may localize, on an admin listener to who may
 // administer. Thread-safe.
-class HealthGrpcService final : public RawService {
+class HealthGrpcService final : public grpc_server::RawService {
  public:
   // All must outlive the server that the service is registered with.
   HealthGrpcService(Dispatcher& dispatcher, const CallSource& source);
@@ -53,7 +53,7 @@ class HealthGrpcService final : public RawService {
   std::map<Call*, std::weak_ptr<Call>> watchers_ ABSL_GUARDED_BY(mutex_);
 };
 
-// The name in a HealthCheckRequest: field 1. INVALID_ARGUMENT: it is none.
+// The name in a HealthCheckRequest. INVALID_ARGUMENT: it is none.
 absl::StatusOr<std::string> DecodeHealthRequest(absl::string_view bytes);
 
 }  // namespace treeline::service

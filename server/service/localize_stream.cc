@@ -8,9 +8,9 @@
 
 namespace treeline::service {
 
-RawReactor* LocalizeStreams::Begin(grpc::CallbackServerContext& context,
-                                   Dispatcher& dispatcher,
-                                   const CallSource& source) {
+grpc_server::RawReactor* LocalizeStreams::Begin(
+    grpc::CallbackServerContext& context, Dispatcher& dispatcher,
+    const CallSource& source) {
   const auto stream =
       std::make_shared<LocalizeStreamCall>(context, dispatcher, source, *this);
   bool draining = false;

@@ -12,10 +12,10 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "common/grpc_server/raw_service.h"
 #include "server/service/dispatcher.h"
 #include "server/service/frame_queue.h"
 #include "server/service/grpc_call.h"
-#include "server/service/raw_service.h"
 #include "treeline/v1/relocalization.pb.h"
 
 namespace treeline::service {
@@ -29,8 +29,9 @@ class LocalizeStreams {
   // Begins a stream; gRPC owns it. A stream that is drained answers what it
   // has read, and ends with UNAVAILABLE, reason DRAINING.
   // One whose client is not let in ends before anything is read.
-  RawReactor* Begin(grpc::CallbackServerContext& context,
-                    Dispatcher& dispatcher, const CallSource& source);
+  grpc_server::RawReactor* Begin(grpc::CallbackServerContext& context,
+                                 Dispatcher& dispatcher,
+                                 const CallSource& source);
 
   // Drains those that are open and those that will begin.
   void Drain();
@@ -47,7 +48,7 @@ class LocalizeStreams {
 
 // One stream. Each of its frames goes to the dispatcher like a call of its own.
 class LocalizeStreamCall final
-    : public RawReactor,
+    : public grpc_server::RawReactor,
       public std::enable_shared_from_this<LocalizeStreamCall> {
  public:
   LocalizeStreamCall(grpc::CallbackServerContext& context,

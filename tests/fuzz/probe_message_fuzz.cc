@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/strings/string_view.h"
+#include "common/grpc_server/reflection_service.h"
 #include "server/service/health_service.h"
-#include "server/service/reflection_service.h"
 
 namespace {
 
@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (!name.ok() && !absl::IsInvalidArgument(name.status())) std::abort();
   const std::vector<std::string> services = {"a.B"};
   const std::string answer =
-      treeline::service::AnswerReflection(bytes, services);
+      treeline::grpc_server::AnswerReflection(bytes, services);
   if (answer.empty() || answer.size() > size + kMaxBytes) std::abort();
   return 0;
 }

@@ -1,11 +1,11 @@
-#include "server/service/raw_service.h"
+#include "common/grpc_server/raw_service.h"
 
 #include <grpcpp/impl/codegen/server_callback_handlers.h>
 #include <grpcpp/impl/rpc_service_method.h>
 
 #include <utility>
 
-namespace treeline::service {
+namespace treeline::grpc_server {
 
 void RawService::AddRawMethod(std::string path, MakeReactor make) {
   const int index = static_cast<int>(paths_.size());
@@ -19,4 +19,4 @@ void RawService::AddRawMethod(std::string path, MakeReactor make) {
                  std::move(make)));
 }
 
-}  // namespace treeline::service
+}  // namespace treeline::grpc_server

@@ -1,6 +1,6 @@
 // A gRPC service whose messages are bytes and are read when we say so.
-#ifndef SERVER_SERVICE_RAW_SERVICE_H_
-#define SERVER_SERVICE_RAW_SERVICE_H_
+#ifndef COMMON_GRPC_SERVER_RAW_SERVICE_H_
+#define COMMON_GRPC_SERVER_RAW_SERVICE_H_
 
 #include <grpcpp/impl/service_type.h>
 #include <grpcpp/server_context.h>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace treeline::service {
+namespace treeline::grpc_server {
 
 using RawReactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
@@ -33,6 +33,6 @@ class RawService : public grpc::Service {
   std::vector<std::unique_ptr<std::string>> paths_;
 };
 
-}  // namespace treeline::service
+}  // namespace treeline::grpc_server
 
-#endif  // SERVER_SERVICE_RAW_SERVICE_H_
+#endif  // COMMON_GRPC_SERVER_RAW_SERVICE_H_
