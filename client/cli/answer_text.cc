@@ -128,6 +128,8 @@ std::string AnswerJson(
   json["samples"] = answer->samples;
   json["inlier_ratio"] = answer->inlier_ratio;
   json["focal_scale"] = answer->focal_scale;
+  json["camera"] =
+      answer->camera ? Json(answer->camera->ToString()) : Json(nullptr);
   json["depth_scale"] = answer->depth_scale;
   json["confidence"] = answer->confidence;
   json["confidence_threshold"] = answer->confidence_threshold;
@@ -171,6 +173,10 @@ std::string AnswerText(const relocalizer::LocalizeAnswer& answer) {
     absl::StrAppendFormat(&text,
                           "  focal length     %.3f times the stated one\n",
                           answer.focal_scale);
+  }
+  if (answer.camera) {
+    absl::StrAppendFormat(&text, "  camera           %s, as none was stated\n",
+                          answer.camera->ToString());
   }
   if (answer.depth_scale != 1) {
     absl::StrAppendFormat(&text,

@@ -30,6 +30,7 @@ relocalizer::LocalizeAnswer Localized() {
   answer.inlier_ratio = 0.864;
   answer.focal_scale = 1.052;
   answer.depth_scale = 0.955;
+  answer.camera = *camera::Camera::Parse("SIMPLE_PINHOLE,31,19.5,14.5", 40, 30);
   answer.scene = "kitchen";
   answer.model_version = "7";
   answer.server = {.queue_ms = 1,
@@ -74,6 +75,7 @@ TEST(AnswerJson, KeepsEveryFieldBitForBit) {
   EXPECT_EQ(json["inlier_ratio"], 0.864);
   EXPECT_EQ(json["focal_scale"], 1.052);
   EXPECT_EQ(json["depth_scale"], 0.955);
+  EXPECT_EQ(json["camera"], "SIMPLE_PINHOLE,31,19.5,14.5");
   EXPECT_EQ(json["round_trip_ms"], 17.25);
   EXPECT_EQ(json["server"]["queue_ms"], 1);
   EXPECT_EQ(json["server"]["decode_ms"], 2);

@@ -127,6 +127,12 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
   answer.samples = response.samples();
   answer.inlier_ratio = response.inlier_ratio();
   if (response.has_focal_scale()) answer.focal_scale = response.focal_scale();
+  if (response.has_camera()) {
+    const absl::StatusOr<camera::Camera> camera =
+        wire::FromProto(response.camera(), "camera");
+    if (!camera.ok()) return BrokenContract(camera.status());
+    answer.camera = *camera;
+  }
   if (response.has_depth_scale()) answer.depth_scale = response.depth_scale();
   for (const v1::Correspondence& sample : response.correspondences()) {
     if (!sample.inlier()) continue;

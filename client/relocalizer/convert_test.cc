@@ -30,6 +30,8 @@ v1::LocalizeResponse Localized() {
   response.set_samples(500);
   response.set_inlier_ratio(0.642);
   response.set_focal_scale(0.955);
+  *response.mutable_camera() = wire::ToProto(
+      *camera::Camera::Parse("SIMPLE_PINHOLE,31,19.5,14.5", 40, 30));
   response.set_depth_scale(1.035);
   v1::Correspondence& inlier = *response.add_correspondences();
   inlier.mutable_color_pixel()->set_x_px(12.5);
@@ -72,6 +74,8 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   EXPECT_EQ(answer->inlier_ratio, 0.642);
   EXPECT_EQ(answer->focal_scale, 0.955);
   EXPECT_EQ(answer->depth_scale, 1.035);
+  EXPECT_EQ(answer->camera,
+            *camera::Camera::Parse("SIMPLE_PINHOLE,31,19.5,14.5", 40, 30));
   ASSERT_EQ(answer->inlier_pixels.size(), 1U);
   EXPECT_EQ(answer->inlier_pixels[0].x, 12.5);
   EXPECT_EQ(answer->inlier_pixels[0].y, 3);

@@ -75,8 +75,9 @@ struct SceneCandidate {
 struct LocalizeAnswer {
   bool localized = false;
   // Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS", "POORLY_CONSTRAINED",
-  // "LOW_CONFIDENCE", "CONTRADICTS_PRIOR" or "CONTRADICTS_DEPTH", as in
-  // relocalization.proto without their prefix. "NONE" if localized.
+  // "LOW_CONFIDENCE", "CONTRADICTS_PRIOR", "CONTRADICTS_DEPTH" or
+  // "UNKNOWN_CAMERA", as in relocalization.proto without their prefix. "NONE"
+  // if localized.
   std::string reason;
   // Meaningful if localized: the pose of pose_sensor's camera, bit for bit as
   // the server computed it, and its covariance.
@@ -89,6 +90,10 @@ struct LocalizeAnswer {
   // The pose is of a camera whose focal length is so many times the stated one,
   // since that fits better; 1: the stated one fits.
   double focal_scale = 1;
+  // If localized by a picture of which no camera was stated and that is not as
+  // large as the scene's: the camera that the pose is of. Its focal length was
+  // found by what is seen.
+  std::optional<camera::Camera> camera;
   // The pose is that of depth that is so many times as large as what was sent,
   // since that fits better; 1: it fits as it is.
   double depth_scale = 1;

@@ -310,6 +310,7 @@ void HttpEngine::OnError(const httplib::Request& request,
 HttpRequest HttpEngine::Convert(const httplib::Request& request) const {
   return {.method = request.method,
           .path = request.path,
+          .query = {request.params.begin(), request.params.end()},
           .headers = head_.headers,
           .peer = PeerName(request.remote_addr, request.remote_port),
           .certificate_names = connection_.certificate_names,

@@ -22,6 +22,9 @@ struct HttpRequest {
   std::string method = {};
   // Decoded, without the query.
   std::string path = {};
+  // What stands behind the path's question mark, decoded, in no order but that
+  // of each name's values.
+  std::multimap<std::string, std::string> query = {};
   // Names in lower case, values as they came. Of a header that came twice, the
   // first.
   std::map<std::string, std::string> headers = {};

@@ -25,7 +25,11 @@ constexpr absl::string_view kLittleEndian("II*\0", 4);
 constexpr absl::string_view kBigEndian("MM\0*", 4);
 constexpr size_t kTagBytes = 12;
 constexpr uint32_t kOrientationTag = 0x0112;
+constexpr uint32_t kExifDirectoryTag = 0x8769;
+constexpr uint32_t kFocal35Tag = 0xa405;
+// Types.
 constexpr uint32_t kShort = 3;
+constexpr uint32_t kLong = 4;
 
 // A number of `bytes` bytes at `at`; nullopt beyond the end.
 std::optional<uint32_t> ReadNumber(absl::string_view data, size_t at,
@@ -64,24 +68,57 @@ std::optional<Segment> TakeSegment(absl::string_view& rest) {
   return segment;
 }
 
-// The value of the tag Orientation in the first directory.
-std::optional<uint32_t> OrientationTag(absl::string_view tiff) {
-  const bool little = absl::StartsWith(tiff, kLittleEndian);
-  if (!little && !absl::StartsWith(tiff, kBigEndian)) return std::nullopt;
-  const std::optional<uint32_t> directory = ReadNumber(tiff, 4, 4, little);
-  if (!directory) return std::nullopt;
-  const std::optional<uint32_t> tags = ReadNumber(tiff, *directory, 2, little);
-  if (!tags || *tags > kMaxTags) return std::nullopt;
-  for (size_t i = 0; i < *tags; ++i) {
-    const size_t at = *directory + 2 + i * kTagBytes;
-    const std::optional<uint32_t> tag = ReadNumber(tiff, at, 2, little);
-    if (!tag) return std::nullopt;
-    if (*tag != kOrientationTag) continue;
-    if (ReadNumber(tiff, at + 2, 2, little) != kShort ||
-        ReadNumber(tiff, at + 4, 4, little) != 1u) {
-      return std::nullopt;
+class Tiff {
+ public:
+  // nullopt: it is none.
+  static std::optional<Tiff> Of(absl::string_view bytes) {
+    const bool little = absl::StartsWith(bytes, kLittleEndian);
+    if (!little && !absl::StartsWith(bytes, kBigEndian)) return std::nullopt;
+    return Tiff(bytes, little);
+  }
+
+  std::optional<uint32_t> FirstDirectory() const { return Number(4, 4); }
+
+  // The only value, of type `type`, of a tag of the directory that begins at
+  // `directory`.
+  std::optional<uint32_t> Find(uint32_t directory, uint32_t wanted,
+                               uint32_t type) const {
+    const std::optional<uint32_t> tags = Number(directory, 2);
+    if (!tags || *tags > kMaxTags) return std::nullopt;
+    for (size_t i = 0; i < *tags; ++i) {
+      const size_t at = size_t{directory} + 2 + i * kTagBytes;
+      const std::optional<uint32_t> tag = Number(at, 2);
+      if (!tag) return std::nullopt;
+      if (*tag != wanted) continue;
+      if (Number(at + 2, 2) != type || Number(at + 4, 4) != 1u) {
+        return std::nullopt;
+      }
+      return Number(at + 8, type == kShort ? 2 : 4);
     }
-    return ReadNumber(tiff, at + 8, 2, little);
+    return std::nullopt;
+  }
+
+ private:
+  Tiff(absl::string_view bytes, bool little) : bytes_(bytes), little_(little) {}
+
+  std::optional<uint32_t> Number(size_t at, size_t bytes) const {
+    return ReadNumber(bytes_, at, bytes, little_);
+  }
+
+  absl::string_view bytes_;
+  bool little_;
+};
+
+// The content of the first EXIF segment.
+std::optional<Tiff> FindExif(absl::string_view jpeg) {
+  if (!absl::ConsumePrefix(&jpeg, kStartOfImage)) return std::nullopt;
+  for (int i = 0; i < kMaxSegments; ++i) {
+    std::optional<Segment> segment = TakeSegment(jpeg);
+    if (!segment) return std::nullopt;
+    if (segment->marker == kApp1 &&
+        absl::ConsumePrefix(&segment->content, kExif)) {
+      return Tiff::Of(segment->content);
+    }
   }
   return std::nullopt;
 }
@@ -89,29 +126,35 @@ std::optional<uint32_t> OrientationTag(absl::string_view tiff) {
 }  // namespace
 
 std::optional<QuarterTurn> ReadExifUprightTurn(absl::string_view jpeg) {
-  if (!absl::ConsumePrefix(&jpeg, kStartOfImage)) return std::nullopt;
-  for (int i = 0; i < kMaxSegments; ++i) {
-    std::optional<Segment> segment = TakeSegment(jpeg);
-    if (!segment) return std::nullopt;
-    if (segment->marker != kApp1 ||
-        !absl::ConsumePrefix(&segment->content, kExif)) {
-      continue;
-    }
-    // What the first row and the first column of the pixels show.
-    switch (OrientationTag(segment->content).value_or(0)) {
-      case 1:  // top, left
-        return QuarterTurn::kNone;
-      case 3:  // bottom, right
-        return QuarterTurn::kHalf;
-      case 6:  // right, top
-        return QuarterTurn::kClockwise;
-      case 8:  // left, bottom
-        return QuarterTurn::kCounterclockwise;
-      default:
-        return std::nullopt;
-    }
+  const std::optional<Tiff> exif = FindExif(jpeg);
+  if (!exif) return std::nullopt;
+  const std::optional<uint32_t> directory = exif->FirstDirectory();
+  if (!directory) return std::nullopt;
+  // What the first row and the first column of the pixels show.
+  switch (exif->Find(*directory, kOrientationTag, kShort).value_or(0)) {
+    case 1:  // top, left
+      return QuarterTurn::kNone;
+    case 3:  // bottom, right
+      return QuarterTurn::kHalf;
+    case 6:  // right, top
+      return QuarterTurn::kClockwise;
+    case 8:  // left, bottom
+      return QuarterTurn::kCounterclockwise;
+    default:
+      return std::nullopt;
   }
-  return std::nullopt;
+}
+
+std::optional<double> ReadExifFocal35_mm(absl::string_view jpeg) {
+  const std::optional<Tiff> exif = FindExif(jpeg);
+  if (!exif) return std::nullopt;
+  std::optional<uint32_t> directory = exif->FirstDirectory();
+  if (directory) directory = exif->Find(*directory, kExifDirectoryTag, kLong);
+  if (!directory) return std::nullopt;
+  const std::optional<uint32_t> focal =
+      exif->Find(*directory, kFocal35Tag, kShort);
+  if (!focal || *focal == 0) return std::nullopt;
+  return *focal;
 }
 
 }  // namespace treeline::image

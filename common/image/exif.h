@@ -1,4 +1,4 @@
-// What EXIF says of the way up of a JPEG.
+// What EXIF says of a JPEG: its way up and its lens.
 #ifndef COMMON_IMAGE_EXIF_H_
 #define COMMON_IMAGE_EXIF_H_
 
@@ -15,6 +15,11 @@ namespace treeline::image {
 // has a pose. Reads at most 64 segments and 256 tags before the picture itself,
 // and allocates nothing. Safe on hostile bytes.
 std::optional<QuarterTurn> ReadExifUprightTurn(absl::string_view jpeg);
+
+// The tag FocalLengthIn35mmFilm, mm: the focal length at which film of 36 x 24
+// mm has the picture's angle of view (across the diagonal, as phones state it).
+// nullopt: not stated (0 means that, too), and as above.
+std::optional<double> ReadExifFocal35_mm(absl::string_view jpeg);
 
 }  // namespace treeline::image
 

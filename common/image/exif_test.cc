@@ -26,16 +26,21 @@ struct Tag {
   uint32_t value = 1;
 };
 
-std::string Tiff(const std::vector<Tag>& tags, bool little) {
-  std::string tiff = little ? std::string("II*\0", 4) : std::string("MM\0*", 4);
-  tiff += Number(8, 4, little) +
-          Number(static_cast<uint32_t>(tags.size()), 2, little);
+std::string Directory(const std::vector<Tag>& tags, bool little) {
+  std::string bytes = Number(static_cast<uint32_t>(tags.size()), 2, little);
   for (const Tag& tag : tags) {
-    tiff += Number(tag.tag, 2, little) + Number(tag.type, 2, little) +
-            Number(tag.count, 4, little) + Number(tag.value, 2, little) +
-            std::string(2, '\0');
+    bytes += Number(tag.tag, 2, little) + Number(tag.type, 2, little) +
+             Number(tag.count, 4, little);
+    bytes += tag.type == 4
+                 ? Number(tag.value, 4, little)
+                 : Number(tag.value, 2, little) + std::string(2, '\0');
   }
-  return tiff + Number(0, 4, little);
+  return bytes + Number(0, 4, little);
+}
+
+std::string Tiff(const std::vector<Tag>& tags, bool little) {
+  return (little ? std::string("II*\0", 4) : std::string("MM\0*", 4)) +
+         Number(8, 4, little) + Directory(tags, little);
 }
 
 std::string Segment(char marker, const std::string& content) {
@@ -152,6 +157,30 @@ TEST(ExifTest, LooksAtNoMoreThanItSays) {
   tags.push_back({});
   EXPECT_EQ(ReadExifUprightTurn(JpegWith(App1(Tiff(tags, true)))),
             std::nullopt);
+}
+
+// The tag is in a directory of its own, which the first one points to.
+TEST(ReadExifFocal35_mm, FindsTheLens) {
+  constexpr uint32_t kFirstDirectoryEnds = 8 + 2 + 12 + 4;
+  const auto with = [](const Tag& pointer, const Tag& focal, bool little) {
+    return JpegWith(App1(Tiff({pointer}, little) + Directory({focal}, little)));
+  };
+  const Tag pointer = {.tag = 0x8769, .type = 4, .value = kFirstDirectoryEnds};
+  const Tag focal = {.tag = 0xa405, .value = 26};
+  for (const bool little : {false, true}) {
+    EXPECT_EQ(ReadExifFocal35_mm(with(pointer, focal, little)), 26);
+  }
+  EXPECT_EQ(
+      ReadExifFocal35_mm(with(pointer, {.tag = 0xa405, .value = 0}, true)),
+      std::nullopt);
+  EXPECT_EQ(ReadExifFocal35_mm(with(pointer, {.tag = 0xa406}, true)),
+            std::nullopt);
+  EXPECT_EQ(ReadExifFocal35_mm(with({}, focal, true)), std::nullopt);
+  for (const uint32_t outside : {0xffffffffu, 0xfffffffeu, 1000u}) {
+    const Tag astray = {.tag = 0x8769, .type = 4, .value = outside};
+    EXPECT_EQ(ReadExifFocal35_mm(with(astray, focal, true)), std::nullopt);
+  }
+  EXPECT_EQ(ReadExifFocal35_mm(JpegWith("")), std::nullopt);
 }
 
 }  // namespace

@@ -16,6 +16,9 @@ struct Frame {
   // calibration.color and calibration.pose_sensor mean anything. nullopt: use
   // the one that is stored with the scene.
   std::optional<camera::RgbdCalibration> calibration;
+  // Nobody says that `calibration`'s colour camera took the picture: its focal
+  // length has to be confirmed by what is seen, or there is no answer.
+  bool is_camera_assumed = false;
   ColorImage color;
   std::optional<DepthImage> depth;
   Orientation orientation = {};

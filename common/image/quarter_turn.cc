@@ -158,6 +158,7 @@ Frame Turned(const Frame& frame, QuarterTurn turn) {
   turned.color = Turned(frame.color, turn);
   if (frame.depth) turned.depth = Turned(*frame.depth, turn);
   if (frame.calibration) turned.calibration = Turned(*frame.calibration, turn);
+  turned.is_camera_assumed = frame.is_camera_assumed;
   turned.orientation = {Remaining(frame.orientation.upright_turn, turn),
                         frame.orientation.is_certain};
   return turned;

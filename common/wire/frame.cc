@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "common/camera/assumed_camera.h"
 #include "common/image/exif.h"
 #include "common/wire/camera.h"
 #include "common/wire/geometry.h"
@@ -282,12 +283,14 @@ std::string SizeText(int width, int height) {
   return absl::StrCat(width, " x ", height);
 }
 
+bool HasSizeOf(const image::ColorImage& image, const camera::Camera& camera) {
+  return image.width == camera.width() && image.height == camera.height();
+}
+
 absl::Status CheckColorSize(const image::ColorImage& image,
                             const camera::Camera& camera, bool camera_given,
                             absl::string_view field) {
-  if (image.width == camera.width() && image.height == camera.height()) {
-    return absl::OkStatus();
-  }
+  if (HasSizeOf(image, camera)) return absl::OkStatus();
   const std::string image_size = SizeText(image.width, image.height);
   const std::string camera_size = SizeText(camera.width(), camera.height());
   if (camera_given) {
@@ -299,7 +302,8 @@ absl::Status CheckColorSize(const image::ColorImage& image,
   return FieldError(
       absl::StrCat(field, ".camera"),
       absl::StrCat("missing, and the image of ", image_size,
-                   " pixels is not from the scene's camera of ", camera_size));
+                   " pixels is not from the scene's camera of ", camera_size,
+                   "; with depth, send the intrinsics of the image"));
 }
 
 absl::Status CheckDepthSize(const image::DepthImage& image,
@@ -313,6 +317,12 @@ absl::Status CheckDepthSize(const image::DepthImage& image,
       absl::StrCat("the image has ", SizeText(image.width, image.height),
                    " pixels, the depth camera ",
                    SizeText(camera.width(), camera.height())));
+}
+
+camera::RgbdCalibration WithColor(camera::RgbdCalibration calibration,
+                                  const camera::Camera& color) {
+  calibration.color = color;
+  return calibration;
 }
 
 // All that can be checked before decoding and without a scene.
@@ -360,16 +370,33 @@ v1::Frame ToProto(const QueryFrame& frame) {
   return proto;
 }
 
+std::optional<camera::Camera> AssumedCamera(
+    const v1::Frame& proto, const image::Frame& pixels,
+    const camera::RgbdCalibration& scene_calibration) {
+  const camera::Camera& scene = scene_calibration.color;
+  if (proto.has_camera() || proto.has_depth() ||
+      HasSizeOf(pixels.color, scene)) {
+    return std::nullopt;
+  }
+  return camera::AssumedCamera(
+      pixels.color.width, pixels.color.height,
+      image::ReadExifFocal35_mm(proto.color().encoded()), scene);
+}
+
 absl::StatusOr<image::Frame> FromProto(
     const v1::Frame& proto, const camera::RgbdCalibration& scene_calibration,
     const image::DecodeLimits& limits, absl::string_view field) {
   TL_RETURN_IF_ERROR(CheckStatements(proto, field));
   TL_ASSIGN_OR_RETURN(std::optional<camera::RgbdCalibration> calibration,
                       ResolveCalibration(proto, scene_calibration, field));
-  const camera::RgbdCalibration& cameras =
-      calibration ? *calibration : scene_calibration;
   image::Frame frame;
   TL_RETURN_IF_ERROR(DecodeColorOf(proto, limits, field, frame));
+  if (const auto assumed = AssumedCamera(proto, frame, scene_calibration)) {
+    frame.is_camera_assumed = true;
+    calibration = WithColor(scene_calibration, *assumed);
+  }
+  const camera::RgbdCalibration& cameras =
+      calibration ? *calibration : scene_calibration;
   TL_RETURN_IF_ERROR(
       CheckColorSize(frame.color, cameras.color, proto.has_camera(), field));
   TL_RETURN_IF_ERROR(DecodeDepthOf(proto, limits, field, frame));
@@ -394,6 +421,9 @@ absl::StatusOr<std::optional<camera::RgbdCalibration>> CalibrationFromProto(
     const v1::Frame& proto, const image::Frame& pixels,
     const camera::RgbdCalibration& scene_calibration, absl::string_view field) {
   TL_RETURN_IF_ERROR(CheckStatements(proto, field));
+  if (const auto assumed = AssumedCamera(proto, pixels, scene_calibration)) {
+    return WithColor(scene_calibration, *assumed);
+  }
   TL_ASSIGN_OR_RETURN(std::optional<camera::RgbdCalibration> calibration,
                       ResolveCalibration(proto, scene_calibration, field));
   const camera::RgbdCalibration& cameras =

@@ -2,6 +2,8 @@
 #ifndef COMMON_WIRE_FRAME_H_
 #define COMMON_WIRE_FRAME_H_
 
+#include <optional>
+
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
@@ -19,7 +21,9 @@ v1::Frame ToProto(const QueryFrame& frame);
 // request and the scene give together:
 //
 //   request                     calibration of the result
-//   no camera, no depth         nullopt: the scene's
+//   no camera, no depth         nullopt: the scene's; of a picture of another
+//                               size than its: the scene's, with AssumedCamera
+//                               as its colour camera
 //   no camera, SCENE_CALIBR.    nullopt: the scene's
 //   camera, (SCENE_CALIBR.)     the scene's, with `camera` as its colour camera
 //   REGISTERED_TO_COLOR         colour camera for both, identity between them
@@ -47,6 +51,12 @@ absl::StatusOr<image::Frame> PixelsFromProto(const v1::Frame& proto,
 absl::StatusOr<std::optional<camera::RgbdCalibration>> CalibrationFromProto(
     const v1::Frame& proto, const image::Frame& pixels,
     const camera::RgbdCalibration& scene_calibration, absl::string_view field);
+
+// The colour camera that is assumed by the above, camera::AssumedCamera;
+// nullopt: the request states one, or it is the scene's.
+std::optional<camera::Camera> AssumedCamera(
+    const v1::Frame& proto, const image::Frame& pixels,
+    const camera::RgbdCalibration& scene_calibration);
 
 }  // namespace treeline::wire
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/escaping.h"
 #include "common/base/random.h"
+#include "common/camera/assumed_camera.h"
 #include "common/wire/camera.h"
 #include "gtest/gtest.h"
 
@@ -135,6 +136,30 @@ TEST(WireFrame, OwnColorCameraReplacesOnlyTheScenesColorCamera) {
   }
 }
 
+TEST(WireFrame, ACameraIsAssumedForAPictureOfAnotherSize) {
+  const v1::Frame proto = ToProto({.color = SomeColor(60, 50)});
+  const camera::RgbdCalibration scene = SceneCalibration();
+  const auto frame = FromProto(proto, scene, image::DecodeLimits{}, "frame");
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_TRUE(frame->is_camera_assumed);
+  camera::RgbdCalibration expected = scene;
+  expected.color = camera::AssumedCamera(60, 50, std::nullopt, scene.color);
+  EXPECT_EQ(frame->calibration, expected);
+  EXPECT_EQ(AssumedCamera(proto, *frame, scene), expected.color);
+  // Not where it is known, nor for depth.
+  const auto of_scene = Decode({.color = SomeColor()});
+  ASSERT_TRUE(of_scene.ok());
+  EXPECT_FALSE(of_scene->is_camera_assumed);
+  const auto stated =
+      Decode({.color = SomeColor(60, 50), .camera = CameraOf(60, 50, 77)});
+  ASSERT_TRUE(stated.ok());
+  EXPECT_FALSE(stated->is_camera_assumed);
+  const auto with_depth = Decode(
+      {.color = SomeColor(60, 50),
+       .depth = QueryDepth{.image = SomeDepth(kWidth / 2, kHeight / 2)}});
+  EXPECT_TRUE(absl::IsInvalidArgument(with_depth.status()));
+}
+
 TEST(WireFrame, RegisteredDepthSharesTheScenesColorCamera) {
   const auto frame =
       Decode(Query({.image = SomeDepth(),
@@ -216,10 +241,19 @@ TEST(WireFrame, PixelsMustFitTheCamerasOfTheScene) {
   ASSERT_TRUE(pixels.ok());
   camera::RgbdCalibration scene = SceneCalibration();
   EXPECT_TRUE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
+  // One is assumed, by either half.
   scene.color = CameraOf(kWidth + 2, kHeight, 35);
-  EXPECT_EQ(CalibrationFromProto(proto, *pixels, scene, "frame").status(),
-            FromProto(proto, scene, image::DecodeLimits{}, "frame").status());
-  EXPECT_FALSE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
+  const auto assumed = CalibrationFromProto(proto, *pixels, scene, "frame");
+  ASSERT_TRUE(assumed.ok()) << assumed.status();
+  EXPECT_EQ(
+      *assumed,
+      FromProto(proto, scene, image::DecodeLimits{}, "frame")->calibration);
+  // With a stated one there is nothing to assume.
+  v1::Frame stated = proto;
+  *stated.mutable_camera() = ToProto(CameraOf(kWidth + 2, kHeight, 35));
+  EXPECT_EQ(CalibrationFromProto(stated, *pixels, scene, "frame").status(),
+            FromProto(stated, scene, image::DecodeLimits{}, "frame").status());
+  EXPECT_FALSE(CalibrationFromProto(stated, *pixels, scene, "frame").ok());
 }
 
 // A JPEG whose EXIF says that its right side is up: turn it clockwise thrice.

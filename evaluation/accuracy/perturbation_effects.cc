@@ -337,6 +337,24 @@ absl::Status WrongFocalLength(double factor, base::Random& /*random*/,
   return absl::OkStatus();
 }
 
+absl::Status AssumedLens(double factor, base::Random& /*random*/,
+                         PerturbedFrame& view) {
+  camera::RgbdCalibration& calibration = *view.frame.calibration;
+  const bool registered = IsRegistered(calibration);
+  const camera::Camera& color = calibration.color;
+  const std::array<double, 3> parameters = {factor * MeanFocal_px(color),
+                                            0.5 * (color.width() - 1),
+                                            0.5 * (color.height() - 1)};
+  TL_ASSIGN_OR_RETURN(
+      calibration.color,
+      camera::Camera::Create(camera::CameraModel::kSimplePinhole, color.width(),
+                             color.height(), parameters.data(),
+                             parameters.size()));
+  if (registered) calibration.depth = calibration.color;
+  view.frame.is_camera_assumed = true;
+  return absl::OkStatus();
+}
+
 absl::Status Rotate(double degrees, base::Random& /*random*/,
                     PerturbedFrame& view) {
   const auto turn = static_cast<image::QuarterTurn>(

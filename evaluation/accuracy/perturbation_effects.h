@@ -66,6 +66,10 @@ absl::Status Distort(double k, base::Random& random, PerturbedFrame& view);
 // which is registered to colour.
 absl::Status WrongFocalLength(double factor, base::Random& random,
                               PerturbedFrame& view);
+// No camera is stated: a pinhole with its centre in the middle is assumed,
+// whose focal length is this factor of the true one.
+absl::Status AssumedLens(double factor, base::Random& random,
+                         PerturbedFrame& view);
 
 // Orientation.
 // Both cameras clockwise about their optical axes, by a multiple of 90 degrees.

@@ -16,6 +16,7 @@
 #include "server/gateway/cors.h"
 #include "server/gateway/gpp_routes.h"
 #include "server/gateway/localize_socket.h"
+#include "server/gateway/picture_routes.h"
 
 namespace treeline::gateway {
 namespace {
@@ -119,6 +120,8 @@ class Handler final : public http::HttpHandler {
       connect_.emplace(clock, ConnectOptionsOf(options.http));
       AddConnectServices(dispatcher, options.serve_admin, clock, *connect_);
       socket_.emplace(dispatcher, clock, SocketOptionsOf(options, hooks_));
+      pictures_.emplace(dispatcher, options.serve_admin, clock,
+                        options.http.budget);
       if (hooks_.scenes) {
         gpp_.emplace(dispatcher, hooks_.scenes, options.serve_admin, clock,
                      options.http.budget);
@@ -135,6 +138,9 @@ class Handler final : public http::HttpHandler {
     }
     if (connect_.has_value() && ConnectRouter::Owns(request.path)) {
       return connect_->CheckHead(request);
+    }
+    if (pictures_.has_value() && PictureRoutes::Owns(request.path)) {
+      return pictures_->CheckHead(request);
     }
     if (gpp_.has_value() && GppRoutes::Owns(request.path)) {
       return gpp_->CheckHead(request);
@@ -161,6 +167,7 @@ class Handler final : public http::HttpHandler {
 
   std::optional<http::HttpResponse> Admit(http::HttpRequest& request) override {
     if (ConnectRouter::Owns(request.path)) return connect_->Admit(request);
+    if (PictureRoutes::Owns(request.path)) return pictures_->Admit(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Admit(request);
     return std::nullopt;
   }
@@ -168,6 +175,7 @@ class Handler final : public http::HttpHandler {
   http::HttpResponse Handle(const http::HttpRequest& request) override {
     if (LocalizeSocket::Owns(request)) return socket_->Handle(request);
     if (ConnectRouter::Owns(request.path)) return connect_->Handle(request);
+    if (PictureRoutes::Owns(request.path)) return pictures_->Handle(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
     if (IsArPage(request)) return ar_page_->Handle(request);
     if (request.path == "/metrics") {
@@ -246,6 +254,7 @@ class Handler final : public http::HttpHandler {
   std::optional<ArPage> ar_page_;
   std::optional<ConnectRouter> connect_;
   std::optional<LocalizeSocket> socket_;
+  std::optional<PictureRoutes> pictures_;
   std::optional<GppRoutes> gpp_;
 };
 

@@ -124,6 +124,42 @@ TEST_F(GatewayTest, AnswersConnectJson) {
   EXPECT_EQ(body["inliers"], 77);
 }
 
+TEST_F(GatewayTest, APictureAloneIsAQuestion) {
+  dispatcher_.on_localize = [](const v1::LocalizeRequest& request) {
+    v1::LocalizeResponse response;
+    response.set_outcome(v1::OUTCOME_LOCALIZED);
+    response.set_scene(request.scene());
+    response.set_samples(
+        static_cast<int>(request.frame().color().encoded().size()));
+    return response;
+  };
+  const std::string picture = "\xff\xd8 a picture";
+  const auto plain =
+      client_->Post("/localize?scene=living%20room",
+                    {{"Authorization", "Bearer t"}}, picture, "image/jpeg");
+  ASSERT_TRUE(plain);
+  ASSERT_EQ(plain->status, 200) << plain->body;
+  const auto body = nlohmann::json::parse(plain->body);
+  EXPECT_EQ(body["scene"], "living room");
+  EXPECT_EQ(body["samples"], picture.size());
+  EXPECT_EQ(dispatcher_.calls().back().credentials.bearer_token, "t");
+  EXPECT_EQ(dispatcher_.admitted().back(), service::Scope::kLocalize);
+  const auto form = client_->Post(
+      "/localize",
+      httplib::MultipartFormDataItems{{"image", picture, "a.jpg", "image/jpeg"},
+                                      {"scene", "kitchen", "", ""}});
+  ASSERT_TRUE(form);
+  ASSERT_EQ(form->status, 200) << form->body;
+  EXPECT_EQ(nlohmann::json::parse(form->body)["scene"], "kitchen");
+  // And what is none says how to ask.
+  EXPECT_EQ(client_->Post("/localize?at=home", picture, "image/jpeg")->status,
+            400);
+  const auto get = client_->Get("/localize");
+  EXPECT_EQ(get->status, 405);
+  EXPECT_THAT(MessageOf(get), HasSubstr("curl -F"));
+  EXPECT_EQ(PostJson("/localize", "{}")->status, 415);
+}
+
 TEST_F(GatewayTest, FailedQueriesAreForThoseWhoMay) {
   const httplib::Headers inspector{{"Authorization", "Bearer inspector"}};
   const auto get = [&](const std::string& path) {
@@ -359,6 +395,7 @@ TEST_F(GatewayTest, AnOperatorsListenerSaysSoAndAClientsHasNoMetrics) {
   EXPECT_EQ(PostJson(kLocalize, "{}")->status, 404);
   EXPECT_EQ(client_->Get("/metrics")->status, 404);
   EXPECT_EQ(client_->Get("/geopose")->status, 404);
+  EXPECT_EQ(client_->Get("/localize")->status, 404);
   EXPECT_EQ(client_->Get("/healthz")->status, 200);
 }
 

@@ -51,6 +51,8 @@ v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason) {
       return v1::NOT_LOCALIZED_REASON_LOW_CONFIDENCE;
     case localizer::NotLocalizedReason::kContradictsDepth:
       return v1::NOT_LOCALIZED_REASON_CONTRADICTS_DEPTH;
+    case localizer::NotLocalizedReason::kUnknownCamera:
+      return v1::NOT_LOCALIZED_REASON_UNKNOWN_CAMERA;
     case localizer::NotLocalizedReason::kContradictsPrior:
       return v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR;
   }

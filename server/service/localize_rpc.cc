@@ -1,13 +1,16 @@
 #include "server/service/localize_rpc.h"
 
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "common/camera/derived_camera.h"
 #include "common/image/quarter_turn.h"
+#include "common/wire/camera.h"
 #include "common/wire/frame.h"
 #include "common/wire/geometry.h"
 #include "common/wire/pose_prior.h"
@@ -61,6 +64,22 @@ absl::StatusOr<localizer::LocalizeOptions> OptionsOf(
   return options;
 }
 
+// Where no camera was stated, the answer tells which it is of.
+void TellAssumedCamera(const v1::Frame& asked, const image::Frame& frame,
+                       const repository::Scene& scene,
+                       v1::LocalizeResponse& response) {
+  if (response.outcome() != v1::OUTCOME_LOCALIZED) return;
+  const std::optional<camera::Camera> assumed =
+      wire::AssumedCamera(asked, frame, repository::QueryCalibration(scene));
+  if (!assumed) return;
+  const double scale = response.has_focal_scale() ? response.focal_scale() : 1;
+  const absl::StatusOr<camera::Camera> camera =
+      camera::WithFocalScaled(*assumed, scale);
+  if (!camera.ok()) return;
+  *response.mutable_camera() = wire::ToProto(*camera);
+  response.clear_focal_scale();
+}
+
 }  // namespace
 
 absl::Status CheckOptions(const v1::LocalizeOptions& options) {
@@ -105,8 +124,11 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.timings.decode_ms = base::MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
 
-  return Answer(scene.localizer->Localize(frame, options), options.priors,
-                scene, call, record);
+  TL_ASSIGN_OR_RETURN(v1::LocalizeResponse response,
+                      Answer(scene.localizer->Localize(frame, options),
+                             options.priors, scene, call, record));
+  TellAssumedCamera(request.frame(), frame, scene, response);
+  return response;
 }
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
@@ -153,6 +175,8 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
     TL_ASSIGN_OR_RETURN(to_try.calibration,
                         wire::CalibrationFromProto(request.frame(), frame,
                                                    calibration, "frame"));
+    to_try.is_camera_assumed =
+        wire::AssumedCamera(request.frame(), frame, calibration).has_value();
     if (!to_try.calibration && repository::HasOwnCamera(*scene)) {
       to_try.calibration = calibration;
     }
@@ -172,6 +196,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   TL_ASSIGN_OR_RETURN(
       v1::LocalizeResponse response,
       Answer(std::move(result->estimate), options.priors, scene, call, record));
+  TellAssumedCamera(request.frame(), frame, scene, response);
   for (const recognition::ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
     if (response.candidates_size() == kMaxCandidates) break;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/wire/camera.h"
 #include "common/wire/geometry.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -260,6 +261,33 @@ TEST_F(LocalizeRpcTest, AbsurdOptionsNameTheirField) {
     request.mutable_options()->set_min_confidence(none);
     EXPECT_THAT(message(request), HasSubstr("options.min_confidence")) << none;
   }
+}
+
+TEST_F(LocalizeRpcTest, TellsTheCameraThatItAssumed) {
+  v1::LocalizeRequest request = TestRequest("kitchen");
+  v1::Frame& frame = *request.mutable_frame();
+  frame.clear_depth();
+  const int width = 2 * kTestWidth;
+  const int height = 3 * kTestHeight;
+  v1::Rgb8Image& picture = *frame.mutable_color()->mutable_rgb8();
+  picture.set_width_px(width);
+  picture.set_height_px(height);
+  picture.set_data(std::string(static_cast<size_t>(3 * width * height), 'x'));
+  answer_->focal_scale = 1.2;
+  const auto response = Handle(request);
+  ASSERT_TRUE(response.ok()) << response.status();
+  EXPECT_TRUE(frame_->is_camera_assumed);
+  const auto camera = wire::FromProto(response->camera(), "camera");
+  ASSERT_TRUE(camera.ok()) << camera.status();
+  EXPECT_EQ(camera->width(), width);
+  EXPECT_NEAR(camera->fx(), 1.2 * frame_->calibration->color.fx(), 1e-9);
+  EXPECT_FALSE(response->has_focal_scale());
+  // Not where there is no pose, or the camera was stated.
+  answer_->outcome = localizer::Outcome::kNotLocalized;
+  EXPECT_FALSE(Handle(request)->has_camera());
+  answer_ = LocalizedEstimate();
+  *frame.mutable_camera() = response->camera();
+  EXPECT_FALSE(Handle(request)->has_camera());
 }
 
 TEST_F(LocalizeRpcTest, BadFramesNameTheirField) {

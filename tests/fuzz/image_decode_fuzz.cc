@@ -72,6 +72,10 @@ void DecodeEveryWay(absl::string_view bytes) {
                    std::end(image::kQuarterTurns), *turn))) {
     std::abort();
   }
+  const auto focal_mm = image::ReadExifFocal35_mm(bytes);
+  if (focal_mm.has_value() && !(*focal_mm >= 1 && *focal_mm <= 65535)) {
+    std::abort();
+  }
   const image::DecodeLimits limits{
       .max_width = 512, .max_height = 512, .max_pixels = 1 << 16};
   const auto color = image::DecodeColor(bytes, limits);

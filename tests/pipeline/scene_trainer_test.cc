@@ -13,7 +13,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
-#include "common/camera/derived_camera.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/forest/model_file.h"
@@ -172,91 +171,6 @@ TEST_F(SceneTrainerTest, UniversalAnswersInAnotherLight) {
     right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
   }
   EXPECT_GE(right, 12);
-}
-
-// The right half of a frame's width and height.
-image::Frame WindowOf(const image::Frame& frame,
-                      camera::RgbdCalibration calibration) {
-  const int width = frame.color.width / 2;
-  const int height = frame.color.height / 2;
-  image::Frame window;
-  calibration.color =
-      camera::Cropped(calibration.color, width, height, width, height).value();
-  window.calibration = calibration;
-  window.color = {width, height, {}};
-  for (int y = height; y < 2 * height; ++y) {
-    const auto row =
-        frame.color.rgb.begin() + 3 * (y * frame.color.width + width);
-    window.color.rgb.insert(window.color.rgb.end(), row, row + 3 * width);
-  }
-  return window;
-}
-
-TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthUnlessItIsKnown) {
-  ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
-  const auto localizer = localizer::OpenLocalizer(Path("universal"));
-  ASSERT_TRUE(localizer.ok());
-  // To which no focal length is wrong; that it does not fit is told.
-  const auto known =
-      localizer::OpenLocalizer(Path("universal"), {.corrects_focal = false});
-  ASSERT_TRUE(known.ok());
-  camera::RgbdCalibration stated = (*localizer)->info().calibration;
-  const auto longer = camera::WithFocalScaled(stated.color, 1.08);
-  ASSERT_TRUE(longer.ok());
-  stated.color = *longer;
-  int right = 0;
-  int told = 0;
-  for (int i = 0; i < 16; ++i) {
-    const geometry::Rigid3 truth = HeldOutPose(5 * i);
-    image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
-    frame.depth.reset();
-    frame.calibration = stated;
-    const auto estimate = (*localizer)->Localize(frame, {});
-    ASSERT_TRUE(estimate.ok()) << estimate.status();
-    const auto uncorrected = (*known)->Localize(frame, {});
-    ASSERT_TRUE(uncorrected.ok()) << uncorrected.status();
-    EXPECT_EQ(uncorrected->focal_scale, 1);
-    told += uncorrected->focal_error_sigmas > 4;
-    if (estimate->outcome != localizer::Outcome::kLocalized) continue;
-    const geometry::PoseError error =
-        geometry::ErrorBetween(estimate->world_from_camera, truth);
-    right += error.translation_m < 0.05 &&
-             std::abs(estimate->focal_scale * 1.08 - 1) < 0.02;
-  }
-  EXPECT_GE(right, 12);
-  EXPECT_GE(told, 8);
-  // A window of the scene's pictures has its focal length.
-  right = 0;
-  for (int i = 0; i < 16; ++i) {
-    const geometry::Rigid3 truth = HeldOutPose(5 * i);
-    const image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
-    const auto estimate =
-        (*localizer)->Localize(WindowOf(frame, Calibration()), {});
-    ASSERT_TRUE(estimate.ok()) << estimate.status();
-    EXPECT_EQ(estimate->focal_scale, 1);
-    if (estimate->outcome != localizer::Outcome::kLocalized) continue;
-    const geometry::PoseError error =
-        geometry::ErrorBetween(estimate->world_from_camera, truth);
-    EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
-    right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
-  }
-  EXPECT_GE(right, 8);
-  // Features fit intrinsics of half the pictures' size, too, metres away.
-  const camera::Camera c = (*localizer)->info().calibration.color;
-  const double half[] = {c.fx() / 2, c.fy() / 2, c.cx() / 2, c.cy() / 2};
-  stated.color = camera::Camera::Create(camera::CameraModel::kPinhole,
-                                        c.width(), c.height(), half, 4)
-                     .value();
-  right = 0;
-  for (int i = 0; i < 80; i += 5) {
-    image::Frame frame = training::RenderBoxRoom(Calibration(), HeldOutPose(i));
-    frame.calibration = stated;
-    const auto estimate = (*localizer)->Localize(frame, {}).value();
-    right += estimate.outcome == localizer::Outcome::kLocalized &&
-             geometry::ErrorBetween(estimate.world_from_camera, HeldOutPose(i))
-                     .translation_m < 0.05;
-  }
-  EXPECT_GE(right, 11);
 }
 
 TEST_F(SceneTrainerTest, UniversalRefusesAPhotographOfTheScene) {

@@ -61,6 +61,8 @@ class Answers(WithServer):
         self.assertEqual((answer.confidence, answer.confidence_threshold),
                          (0.97, 0.9))
         self.assertEqual(answer.focal_scale, 0.955)
+        self.assertEqual(answer.camera.model, "SIMPLE_PINHOLE")
+        self.assertEqual(tuple(answer.camera.parameters), (31, 19.5, 14.5))
         self.assertEqual(answer.depth_scale, 1.035)
         self.assertEqual((answer.scene, answer.model_version), ("kitchen", "7"))
         self.assertEqual(answer.timings,

@@ -7,7 +7,7 @@ import time
 import grpc
 
 from treeline.rpc import status_pb2
-from treeline.v1 import (relocalization_pb2, relocalization_pb2_grpc,
+from treeline.v1 import (camera_pb2, relocalization_pb2, relocalization_pb2_grpc,
                          scenes_pb2, scenes_pb2_grpc)
 
 
@@ -53,6 +53,8 @@ def localized():
         scene="kitchen", model_version="7", confidence=0.97,
         confidence_threshold=0.9, focal_scale=0.955,
         depth_scale=1.035,
+        camera=camera_pb2.Camera(model="SIMPLE_PINHOLE", width_px=40,
+                                 height_px=30, parameters=[31, 19.5, 14.5]),
         timings=v1.Timings(queue_ms=1, decode_ms=2, sample_ms=3, forest_ms=4,
                            pose_ms=5, localize_ms=6, total_ms=7))
     rotation = response.world_from_camera.rotation

@@ -63,8 +63,9 @@ class Answer:
 
     localized: bool
     # Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS", "POORLY_CONSTRAINED",
-    # "LOW_CONFIDENCE", "CONTRADICTS_PRIOR" or "CONTRADICTS_DEPTH"; the number
-    # of one that this client does not know. None if localized.
+    # "LOW_CONFIDENCE", "CONTRADICTS_PRIOR", "CONTRADICTS_DEPTH" or
+    # "UNKNOWN_CAMERA"; the number of one that this client does not know. None
+    # if localized.
     reason: str | None
     # 4 x 4: maps points of the frame of pose_sensor's camera (x right, y down,
     # z forward) into the scene's world frame, metres. None if not localized,
@@ -92,6 +93,10 @@ class Answer:
     # The pose is of a camera whose focal length is so many times the stated
     # one, since that fits better; 1: the stated one fits.
     focal_scale: float
+    # If localized by a picture of which no camera was stated and that is not as
+    # large as the scene's: the camera that the pose is of. Its focal length was
+    # found by what is seen. None: the stated one, or the scene's.
+    camera: Camera | None
     # The pose is that of depth that is so many times as large as what was sent,
     # since that fits better; 1: it fits as it is.
     depth_scale: float
@@ -302,6 +307,8 @@ def answer_of(response: relocalization_pb2.LocalizeResponse,
         confidence_threshold=response.confidence_threshold,
         focal_scale=(response.focal_scale
                      if response.HasField("focal_scale") else 1.0),
+        camera=(_camera(response.camera)
+                if response.HasField("camera") else None),
         depth_scale=(response.depth_scale
                      if response.HasField("depth_scale") else 1.0),
         scene=response.scene, model_version=response.model_version,

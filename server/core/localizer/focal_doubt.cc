@@ -34,6 +34,12 @@ bool DoubtsFocal(const pose::FocalEstimate& points) {
          ErrorSigmas(points) >= kDoubtfulPointFocalSigmas;
 }
 
+bool IsGuessConfirmed(const FocalEvidence& evidence, double max_sigma) {
+  return evidence.features && evidence.features->sigma <= max_sigma &&
+         !FocalDoubt(/*may_be_guessed=*/true, /*sigma_scale=*/1)
+              .Other({evidence.features, std::nullopt});
+}
+
 FocalDoubt::FocalDoubt(bool may_be_guessed, double sigma_scale)
     : may_be_guessed_(may_be_guessed), sigma_scale_(sigma_scale) {}
 

@@ -44,6 +44,10 @@ class FocalDoubt {
   const double sigma_scale_;
 };
 
+// Whether features say that a guess is right, with a standard deviation of the
+// logarithm of at most `max_sigma`.
+bool IsGuessConfirmed(const FocalEvidence& evidence, double max_sigma);
+
 // By how many of its standard deviations the stated focal length is off.
 double ErrorSigmas(const pose::FocalEstimate& focal);
 

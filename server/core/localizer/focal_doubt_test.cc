@@ -36,6 +36,17 @@ TEST(FocalDoubtTest, AGuessIsGivenUpForLess) {
   EXPECT_LT(clear->needed_odds, 1);
 }
 
+TEST(FocalDoubtTest, AGuessIsConfirmedByFeaturesThatKnowIt) {
+  const auto by = [](const pose::FocalEstimate& focal) {
+    return IsGuessConfirmed({focal, std::nullopt}, /*max_sigma=*/0.01);
+  };
+  EXPECT_TRUE(by({.scale = 1.01, .sigma = 0.01}));
+  EXPECT_FALSE(by({.scale = 1, .sigma = 0.011}));
+  EXPECT_FALSE(by(kLonger));
+  EXPECT_FALSE(IsGuessConfirmed({}, 1));
+  EXPECT_FALSE(IsGuessConfirmed({std::nullopt, kLonger}, 1));
+}
+
 TEST(FocalDoubtTest, ALittleOfItAsksForABetterAnswer) {
   const FocalDoubt known(/*may_be_guessed=*/false, /*sigma_scale=*/1);
   EXPECT_GT(OfFeatures(known, kLonger)->needed_odds, 1);

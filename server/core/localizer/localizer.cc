@@ -81,6 +81,8 @@ absl::string_view ReasonName(NotLocalizedReason reason) {
       return "CONTRADICTS_PRIOR";
     case NotLocalizedReason::kContradictsDepth:
       return "CONTRADICTS_DEPTH";
+    case NotLocalizedReason::kUnknownCamera:
+      return "UNKNOWN_CAMERA";
   }
   return "UNKNOWN";
 }

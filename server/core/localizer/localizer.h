@@ -36,7 +36,9 @@ enum class NotLocalizedReason {
   kPoorlyConstrained,  // the inliers leave the pose uncertain
   kLowConfidence,      // what else is known speaks against the pose
   kContradictsPrior,   // it is farther from the prior than that allows
-  kContradictsDepth    // the frame's depth is not what is seen from the pose
+  kContradictsDepth,   // the frame's depth is not what is seen from the pose
+  // What is seen does not tell the focal length of a camera that is assumed.
+  kUnknownCamera
 };
 
 // Milliseconds spent per stage, in order of the pipeline.

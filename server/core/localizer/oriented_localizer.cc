@@ -52,6 +52,13 @@ double Threshold(const forest::ModelInfo& info) {
   return info.confidence.value_or(forest::ConfidenceModel::Typical()).threshold;
 }
 
+// Whether no other turn needs to be tried.
+bool IsSettled(const PoseEstimate& estimate, double threshold) {
+  return estimate.confidence >= threshold &&
+         (estimate.outcome == Outcome::kLocalized ||
+          estimate.reason == NotLocalizedReason::kUnknownCamera);
+}
+
 // Takes the odds that a pose is at another turn than the frame's into account.
 void Discount(double min_confidence, PoseEstimate& estimate) {
   const double p = estimate.confidence;
@@ -75,7 +82,7 @@ absl::StatusOr<PoseEstimate> OrientedLocalizer::Localize(
   TL_ASSIGN_OR_RETURN(PoseEstimate best, LocalizeTurned(frame, first, options));
   const double threshold = Threshold(info());
   if (frame.orientation.is_certain || !other_turns_ ||
-      (best.outcome == Outcome::kLocalized && best.confidence >= threshold)) {
+      IsSettled(best, threshold)) {
     return best;
   }
   LocalizeTimings timings = best.timings;

@@ -90,6 +90,12 @@ PoseEstimate Refused(double confidence) {
   return estimate;
 }
 
+PoseEstimate OfUnknownCamera(double confidence) {
+  PoseEstimate estimate = Refused(confidence);
+  estimate.reason = NotLocalizedReason::kUnknownCamera;
+  return estimate;
+}
+
 // What it takes to be believed at another turn, by the odds.
 double ConfidenceOfOdds(double odds) { return odds / (1 + odds); }
 constexpr double kThresholdOdds = kThreshold / (1 - kThreshold);
@@ -122,6 +128,16 @@ TEST_F(OrientedLocalizerTest, AnUprightFrameIsAskedOnce) {
   ASSERT_TRUE(estimate.ok());
   EXPECT_EQ(estimate->confidence, 0.95);
   EXPECT_THAT(asked_, ElementsAre(QuarterTurn::kNone));
+}
+
+TEST_F(OrientedLocalizerTest, APoseOfAnUnknownCameraSettlesTheTurn) {
+  std::vector<PoseEstimate> says(4, Refused(0.2));
+  says[0] = OfUnknownCamera(0.95);
+  ASSERT_TRUE(Localize(SomeFrame(), says).ok());
+  EXPECT_THAT(asked_, ElementsAre(QuarterTurn::kNone));
+  says[0] = OfUnknownCamera(0.2);
+  ASSERT_TRUE(Localize(SomeFrame(), says).ok());
+  EXPECT_THAT(asked_, ::testing::SizeIs(4));
 }
 
 TEST_F(OrientedLocalizerTest, TheStatedTurnIsTheOnlyOne) {

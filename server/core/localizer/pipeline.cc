@@ -166,10 +166,16 @@ class Search {
 // With a focal length that is wrong, depth that is right would seem to be
 // wrong.
 bool IsFocalKnown(const Query& query, const FocalEvidence& focal) {
-  if (!query.is_focal_doubtful()) return true;
-  return focal.features && focal.features->sigma <= kMaxKnownFocalSigma &&
-         !FocalDoubt(/*may_be_guessed=*/true, /*sigma_scale=*/1)
-              .Other({focal.features, std::nullopt});
+  return !query.is_focal_doubtful() ||
+         IsGuessConfirmed(focal, kMaxKnownFocalSigma);
+}
+
+// A camera that nobody stated has to be found by features, in a scene of which
+// it was measured how well they do that.
+bool IsAssumedRightly(const Method& method, const FocalEvidence& focal) {
+  return method.focal_sigma_scale &&
+         IsGuessConfirmed(focal,
+                          kMaxAssumedFocalSigma / *method.focal_sigma_scale);
 }
 
 // Depth that is registered to colour has the same camera.
@@ -271,7 +277,8 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
   if (best.focal.features && best.focal.features->sigma > 0) {
     corrections.focal_error_sigmas = ErrorSigmas(*best.focal.features);
   }
-  const FocalDoubt doubt(query.is_focal_doubtful(), method.focal_sigma_scale);
+  const FocalDoubt doubt(query.is_focal_doubtful(),
+                         method.focal_sigma_scale.value_or(1));
   const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
   for (int round = 0; round < rounds; ++round) {
     const std::optional<OtherFocal> other = doubt.Other(best.focal);
@@ -303,7 +310,9 @@ Query Pipeline::Ask(const image::Frame& frame,
                     QueryScratch& scratch) const {
   Query query(frame, calibration, method_.depth_use, options, scratch);
   const camera::Camera& learnt = info().calibration.color;
-  if (MayBeGuessed(calibration.color, learnt)) query.set_focal_doubtful();
+  if (frame.is_camera_assumed || MayBeGuessed(calibration.color, learnt)) {
+    query.set_focal_doubtful();
+  }
   query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
   query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
                              query.depth() != nullptr);
@@ -362,6 +371,11 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   PoseEstimate estimate =
       Report(std::move(found.selection.candidate),
              found.selection.verdict ? &*found.selection.verdict : nullptr);
+  if (frame.is_camera_assumed && estimate.outcome == Outcome::kLocalized &&
+      !IsAssumedRightly(method_, found.selection.focal)) {
+    estimate.outcome = Outcome::kNotLocalized;
+    estimate.reason = NotLocalizedReason::kUnknownCamera;
+  }
   estimate.focal_scale = found.corrections.focal_scale;
   estimate.focal_error_sigmas = found.corrections.focal_error_sigmas;
   estimate.depth_scale = found.corrections.depth_scale;

@@ -4,6 +4,7 @@
 #define SERVER_CORE_LOCALIZER_PIPELINE_H_
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -39,8 +40,8 @@ struct Method {
   // A verified candidate of at least this confidence ends the search, in
   // [0, 1]. 0: the first one does, believed or not.
   double sufficient_confidence = 0;
-  // See ConfidenceModel and QueryOptions.
-  double focal_sigma_scale = 1;
+  // See ConfidenceModel and QueryOptions. nullopt: it was never measured, 1.
+  std::optional<double> focal_sigma_scale = std::nullopt;
   bool corrects_focal = true;
 };
 

@@ -61,6 +61,7 @@ absl::StatusOr<AmongResult> LocalizeAmong(
       continue;
     }
     frame.calibration = std::move(scene->calibration);
+    frame.is_camera_assumed = scene->is_camera_assumed;
     absl::StatusOr<localizer::PoseEstimate> estimate =
         scene->localizer->Localize(frame, localize);
     if (!estimate.ok()) {

@@ -25,6 +25,8 @@ struct SceneToTry {
   // Becomes Frame::calibration: what the frame was taken with if it was taken
   // there. nullopt: the calibration that is stored with the scene.
   std::optional<camera::RgbdCalibration> calibration;
+  // Becomes Frame::is_camera_assumed.
+  bool is_camera_assumed = false;
 };
 
 // Gives a scene that was ranked; may load it, and may take its time. An error

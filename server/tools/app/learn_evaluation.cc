@@ -87,6 +87,8 @@ std::string ReasonText(localizer::NotLocalizedReason reason) {
       return "a pose was found, and not believed";
     case localizer::NotLocalizedReason::kContradictsDepth:
       return "its depth is not what the pose would see";
+    case localizer::NotLocalizedReason::kUnknownCamera:
+      return "its focal length is not known";
     default:
       return "not recognised";
   }

@@ -144,6 +144,7 @@ const evidenceOf = (
   confidence: r.confidence,
   confidenceThreshold: r.confidenceThreshold,
   focalScale: r.focalScale ?? 1,
+  camera: cameraOf(r.camera),
   scene: r.scene,
   modelVersion: r.modelVersion,
   candidates: r.candidates.map(candidateOf),

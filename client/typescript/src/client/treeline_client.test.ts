@@ -37,6 +37,8 @@ const LOCALIZED: MessageInitShape<typeof LocalizeResponseSchema> = {
   confidence: 0.97,
   confidenceThreshold: 0.9,
   focalScale: 0.955,
+  camera: { model: 'SIMPLE_PINHOLE', widthPx: 40, heightPx: 30,
+    parameters: [31, 19.5, 14.5] },
   scene: 'kitchen',
   modelVersion: '3',
   timings: { totalMs: 12 },
@@ -96,6 +98,8 @@ test('a localized answer has its pose, and says whose it is', async (t) => {
   assert.equal(answer.confidence, 0.97);
   assert.equal(answer.inliers, 30);
   assert.equal(answer.focalScale, 0.955);
+  assert.deepEqual(answer.camera, { model: 'SIMPLE_PINHOLE', widthPx: 40,
+    heightPx: 30, parameters: [31, 19.5, 14.5] });
   assert.equal(answer.timings.totalMs, 12);
   assert.ok(answer.roundTripMs > 0);
   assert.deepEqual(fixOf(answer, 7), { captureTimeMs: 7, confidence: 0.97,

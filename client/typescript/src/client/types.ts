@@ -135,6 +135,12 @@ export interface Evidence {
    * since that fits better; 1: the stated one fits.
    */
   readonly focalScale: number;
+  /**
+   * If localized by a picture of which no camera was stated and that is not as
+   * large as the scene's: the camera that the pose is of, whose focal length
+   * was found by what is seen. null: the stated one, or the scene's.
+   */
+  readonly camera: Camera | null;
   /** Who answered. */
   readonly scene: string;
   readonly modelVersion: string;
@@ -163,7 +169,7 @@ export interface Localized extends Evidence {
 export interface NotLocalized extends Evidence {
   readonly localized: false;
   /** TOO_FEW_SAMPLES, TOO_FEW_INLIERS, POORLY_CONSTRAINED, LOW_CONFIDENCE,
-   * CONTRADICTS_PRIOR or CONTRADICTS_DEPTH. */
+   * CONTRADICTS_PRIOR, CONTRADICTS_DEPTH or UNKNOWN_CAMERA. */
   readonly reason: string;
 }
 

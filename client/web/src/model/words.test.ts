@@ -12,7 +12,8 @@ const refused = (reason: string) =>
 
 test('every reason of the service has words of its own', () => {
   const texts = ['TOO_FEW_SAMPLES', 'TOO_FEW_INLIERS', 'POORLY_CONSTRAINED',
-    'LOW_CONFIDENCE', 'CONTRADICTS_PRIOR', 'CONTRADICTS_DEPTH']
+    'LOW_CONFIDENCE', 'CONTRADICTS_PRIOR', 'CONTRADICTS_DEPTH',
+    'UNKNOWN_CAMERA']
       .map((reason) => sayingOfAnswer(refused(reason)).text);
   assert.equal(new Set(texts).size, texts.length);
   for (const text of texts) assert.doesNotMatch(text, /[A-Z]_|undefined/);
@@ -21,7 +22,7 @@ test('every reason of the service has words of its own', () => {
 test('so have those of other clients\' queries', () => {
   for (const reason of ['TOO_FEW_SAMPLES', 'TOO_FEW_INLIERS',
     'POORLY_CONSTRAINED', 'LOW_CONFIDENCE', 'CONTRADICTS_PRIOR',
-    'CONTRADICTS_DEPTH', 'INVALID_REQUEST']) {
+    'CONTRADICTS_DEPTH', 'UNKNOWN_CAMERA', 'INVALID_REQUEST']) {
     assert.doesNotMatch(reasonInWords(reason), /[A-Z]_|undefined/);
   }
   assert.match(reasonInWords('NEW_ONE'), /NEW_ONE/);

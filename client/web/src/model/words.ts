@@ -22,6 +22,8 @@ const REASONS: Readonly<Record<string, string>> = {
     'little, or step back.',
   CONTRADICTS_PRIOR: 'The pose is not where the camera was expected.',
   CONTRADICTS_DEPTH: 'The depth does not fit this scene.',
+  UNKNOWN_CAMERA: 'What is seen does not tell which lens this is. Step ' +
+    'back, so that more is in view.',
 };
 
 const REASONS_OF_OTHERS: Readonly<Record<string, string>> = {
@@ -31,6 +33,7 @@ const REASONS_OF_OTHERS: Readonly<Record<string, string>> = {
   LOW_CONFIDENCE: 'A pose was found, but not sure enough.',
   CONTRADICTS_PRIOR: 'The pose was not where the client expected it.',
   CONTRADICTS_DEPTH: 'The depth did not fit the scene.',
+  UNKNOWN_CAMERA: 'The client did not say what camera it has.',
   INVALID_REQUEST: 'The request was not valid.',
   CANCELLED: 'The client went away.',
   DEADLINE_EXCEEDED: 'It took longer than the client would wait.',

@@ -1,0 +1,26 @@
+// The camera of a picture of which a client does not say which it is.
+#ifndef COMMON_CAMERA_ASSUMED_CAMERA_H_
+#define COMMON_CAMERA_ASSUMED_CAMERA_H_
+
+#include <optional>
+
+#include "common/camera/camera.h"
+
+namespace treeline::camera {
+
+// For a picture of width x height pixels, 1..16384, that is not as large as
+// those of `scene`, the camera that learnt the scene. `focal_35mm`: the focal
+// length in terms of film of 36 x 24 mm (of the same diagonal), as EXIF states
+// it; nullopt or absurd: not known. In this order:
+// * of the shape of the scene's pictures, and nothing else stated than their
+//   focal length (to within 5 %): their camera, resized;
+// * the stated focal length;
+// * that of most phones and webcams, 67 degrees across the longer side.
+// But for the first, without distortion and with the principal point in the
+// middle. A guess: the localizer has to confirm the focal length.
+Camera AssumedCamera(int width, int height, std::optional<double> focal_35mm,
+                     const Camera& scene);
+
+}  // namespace treeline::camera
+
+#endif  // COMMON_CAMERA_ASSUMED_CAMERA_H_
