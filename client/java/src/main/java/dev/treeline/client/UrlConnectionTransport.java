@@ -86,7 +86,14 @@ public final class UrlConnectionTransport implements HttpTransport {
       }
       try (InputStream in = status < HttpURLConnection.HTTP_BAD_REQUEST
           ? opened.getInputStream() : opened.getErrorStream()) {
-        return new HttpResponse(status, headers, read(in));
+        HttpResponse response = new HttpResponse(status, headers, read(in));
+        // Some Javas take the end of a connection for the end of an answer.
+        String length = response.header("Content-Length");
+        if (!length.isEmpty()
+            && !length.equals(Integer.toString(response.body.length))) {
+          throw new IOException("the answer ended early");
+        }
+        return response;
       }
     }
 
