@@ -50,6 +50,11 @@ final class PlayedServer implements Closeable {
     thread.start();
   }
 
+  /** How many there were. */
+  int connections() {
+    return sockets.size();
+  }
+
   String url() {
     return "http://127.0.0.1:" + listener.getLocalPort();
   }

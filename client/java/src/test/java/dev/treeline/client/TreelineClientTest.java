@@ -360,6 +360,25 @@ public class TreelineClientTest {
   }
 
   @Test
+  public void connectionsAreKept() throws Exception {
+    try (PlayedServer server = new PlayedServer((request, out) -> {
+      if (request.body.length > 100) {
+        PlayedServer.error(out, 400, "", "{\"code\":\"invalid_argument\"}");
+      } else {
+        PlayedServer.message(out, Played.bytes(Played.localized()));
+      }
+    }); TreelineClient client = TreelineClient.of(server.url()).build()) {
+      for (int i = 0; i < 5; ++i) {
+        client.localize(Played.QUERY);
+        assertThrows(TreelineException.class, () -> client.localize(
+            LocalizeQuery.of(new byte[200]).build()));
+      }
+      assertEquals(10, server.requests.size());
+      assertEquals(1, server.connections());
+    }
+  }
+
+  @Test
   public void noNetworkIsUnavailable() throws Exception {
     PlayedServer gone = new PlayedServer((request, out) -> {});
     gone.close();
