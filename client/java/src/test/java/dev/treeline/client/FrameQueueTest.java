@@ -134,7 +134,7 @@ public class FrameQueueTest {
     }); TreelineClient client = TreelineClient.of(server.url()).build()) {
       List<TimedAnswer> all = new ArrayList<>();
       int pictures = 100;
-      FrameQueue queue = client.localizeLatest(2, 5000, answer -> {
+      FrameQueue queue = client.localizeLatest(2, 60_000, answer -> {
         synchronized (all) {
           all.add(answer);
           all.notifyAll();

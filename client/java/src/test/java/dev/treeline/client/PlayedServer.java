@@ -91,7 +91,7 @@ final class PlayedServer implements Closeable {
   }
 
   boolean hasBeenLeft() throws InterruptedException {
-    return left.await(5, TimeUnit.SECONDS);
+    return left.await(60, TimeUnit.SECONDS);
   }
 
   private void accept() {

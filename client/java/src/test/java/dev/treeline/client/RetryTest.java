@@ -121,10 +121,10 @@ public class RetryTest {
     try (PlayedServer hung = new PlayedServer((request, out) -> {
       throw new PlayedServer.Stall();
     }); PlayedServer good = failing(0, 0, "", "")) {
-      TreelineClient client =
-          TreelineClient.of(hung.url(), good.url()).build();
-      assertTrue(client.localize(Played.QUERY, 1000).localized);
-      assertEquals(1, hung.requests.size());
+      TreelineClient client = TreelineClient.of(hung.url(), good.url())
+          .attemptTimeoutMs(300).retry(new RetryPolicy(100, 1, 1, 1)).build();
+      assertTrue(client.localize(Played.QUERY, 60_000).localized);
+      assertTrue(hung.requests.size() >= 1);
     }
   }
 
@@ -143,7 +143,7 @@ public class RetryTest {
   @Test
   public void aWaitIsOverWhenNobodyWantsTheAnswer() throws Exception {
     try (PlayedServer server = failing(
-        9, 503, "", error("unavailable", "5s"))) {
+        9, 503, "", error("unavailable", "9s"))) {
       TreelineClient client = TreelineClient.of(server.url()).build();
       java.util.concurrent.CompletableFuture<LocalizeAnswer> future =
           client.localizeAsync(Played.QUERY);
@@ -152,7 +152,7 @@ public class RetryTest {
       client.close();
       assertThrows(java.util.concurrent.ExecutionException.class,
           () -> future.get());
-      assertTrue(System.nanoTime() - startNs < 3_000_000_000L);
+      assertTrue(System.nanoTime() - startNs < 8_000_000_000L);
     }
   }
 }
