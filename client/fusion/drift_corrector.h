@@ -6,7 +6,7 @@
 // world_from_device between them, so that
 //   world_from_camera = world_from_device * device_from_camera.
 // docs/explanation/device-fusion.md has the algorithm, step by step. The
-// TypeScript client has another implementation; both reproduce
+// TypeScript and Java clients have their own implementations; all reproduce
 // client/fusion_vectors.
 #ifndef CLIENT_FUSION_DRIFT_CORRECTOR_H_
 #define CLIENT_FUSION_DRIFT_CORRECTOR_H_

@@ -10,7 +10,8 @@ import lint_common
 
 FAIL_FROM = 600
 WARN_OVER = 500
-SUFFIXES = (".h", ".cc", ".py", ".proto", ".cmake", ".ts", ".js", ".sh")
+SUFFIXES = (".h", ".cc", ".py", ".proto", ".cmake", ".ts", ".js", ".sh",
+            ".java")
 
 
 def sizes_of(root):

@@ -17,6 +17,9 @@ FILES = {
     "client/typescript/package-lock.json":
         '{"name": "@treeline/client",\n "version": "1.2.0",\n'
         '{"name": "@treeline/client",\n "version": "1.2.0"}}\n',
+    "client/java/pom.xml":
+        "<version>1.2.0</version>\n  <packaging>jar</packaging>\n",
+    "docs/how-to/use-from-java-and-kotlin.md": "treeline-client-1.2.0.jar\n",
     "docs/how-to/use-from-python.md":
         "python3-treeline_1.2.0_all.deb treeline-1.2.0-py3-none-any.whl\n",
     "docs/how-to/use-from-typescript.md": "treeline-client-1.2.0.tgz\n",
@@ -29,7 +32,7 @@ echo "$(basename "$0") $*" >>"$CALLS"
 [ "$(basename "$0")" != "${FAILS:-}" ] || exit 1
 while [ $# -gt 1 ]; do
   case "$1" in
-    --out | --output) mkdir -p "$2"; echo "$FILE" >"$2/made-by-$(basename "$0").EXT" ;;
+    --out | --output) mkdir -p "$2"; echo "$FILE" >"$2/NAME.EXT" ;;
   esac
   shift
 done
@@ -48,9 +51,14 @@ class ReleaseTest(ScriptTest):
             place.write_text(text, encoding="utf-8")
         for script, ending in (("package", "deb"), ("package-check", "none"),
                                ("build-python", "whl"),
-                               ("build-typescript", "tgz")):
-            self.write_program(self.root / "scripts" / script,
-                               STUB.replace("EXT", ending))
+                               ("build-typescript", "tgz"),
+                               ("build-java", "jar")):
+            # Of all that is built of Java, all is taken.
+            name = ("treeline-client-1.2.0" if script == "build-java" else
+                    f"made-by-{script}")
+            self.write_program(
+                self.root / "scripts" / script,
+                STUB.replace("NAME", name).replace("EXT", ending))
         self.write_program(self.root / ".ci" / "run", STUB)
         (self.root / ".gitignore").write_text("/build/\n/out/\n__pycache__/\n")
         self.git("init", "--quiet", "--initial-branch=main")
@@ -98,13 +106,14 @@ class ReleaseTest(ScriptTest):
         self.assertEqual(
             [line.split()[0] for line in self.calls.read_text().splitlines()],
             ["run", "package", "package-check", "build-python",
-             "build-typescript"])
+             "build-typescript", "build-java"])
         folder = self.root / "out" / "release" / "1.2.0"
         sums = dict(reversed(line.split()) for line in
                     (folder / "SHA256SUMS").read_text().splitlines())
         self.assertEqual(sorted(sums), [
             "made-by-build-python.whl", "made-by-build-typescript.tgz",
-            "made-by-package.deb", "treeline-1.2.0.tar.gz"])
+            "made-by-package.deb", "treeline-1.2.0.tar.gz",
+            "treeline-client-1.2.0.jar"])
         for name, digest in sums.items():
             self.assertEqual(
                 hashlib.sha256((folder / name).read_bytes()).hexdigest(),

@@ -1,5 +1,5 @@
 // Every number of the drift corrector. docs/explanation/device-fusion.md has
-// this table with the reasons; C++ and this package have the same values.
+// this table with the reasons; C++, Java and this package have the same values.
 
 export interface DriftParameters {
   /** Fixes of less confidence are ignored; in [0, 1]. */

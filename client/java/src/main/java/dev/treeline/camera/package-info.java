@@ -1,0 +1,2 @@
+/** Cameras and poses, as ARCore, OpenCV and COLMAP state them. */
+package dev.treeline.camera;

@@ -1,0 +1,2 @@
+/** Vectors, rotations and rigid transforms. */
+package dev.treeline.geometry;
