@@ -39,6 +39,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSufficientConfidence),
           base::RowOf(kSufficientSigma_m),
           base::RowOf(kSufficientMatches),
+          base::RowOf(kMinEvenedAgreement),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
           base::RowOf(kApart_m),

@@ -249,6 +249,14 @@ inline constexpr base::Parameter<double> kSufficientSigma_m{
         "... if it is as well determined; 6.6 mm at most of whole pictures "
         "with "
         "depth, 10 to 23 of narrow ones that were wrong"};
+inline constexpr base::Parameter<double> kMinEvenedAgreement{
+    .name = "min_evened_agreement",
+    .value = 1.25,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "so many times as much of the picture agrees once its light is "
+        "evened: 1.5 to 2.5 by a lamp of one stop, at most 1.2 otherwise"};
 inline constexpr base::Parameter<int> kSufficientMatches{
     .name = "sufficient_matches",
     .value = 25,
