@@ -78,13 +78,13 @@ class SiftMatcher {
   }
 
   void Match(std::span<const features::SiftDescriptor> descriptors,
-             std::span<SiftMatch> matches) {
-    Walk(descriptors[0], visits_[0]);
-    for (size_t i = 0; i < descriptors.size(); ++i) {
-      if (i + 1 < descriptors.size()) {
-        Walk(descriptors[i + 1], visits_[(i + 1) % 2]);
+             std::span<const uint32_t> which, std::span<SiftMatch> matches) {
+    Walk(descriptors[which[0]], visits_[0]);
+    for (size_t k = 0; k < which.size(); ++k) {
+      if (k + 1 < which.size()) {
+        Walk(descriptors[which[k + 1]], visits_[(k + 1) % 2]);
       }
-      matches[i] = Nearest(descriptors[i], visits_[i % 2]);
+      matches[which[k]] = Nearest(descriptors[which[k]], visits_[k % 2]);
     }
   }
 
@@ -204,14 +204,15 @@ size_t VisitSiftLeaves(std::span<const Node> tree,
 
 void MatchSift(const ForestView& forest,
                std::span<const features::SiftDescriptor> descriptors,
+               std::span<const uint32_t> which,
                const SiftSearchOptions& options, const std::stop_token& stop,
                std::span<SiftMatch> matches) {
   SiftMatcher matcher(forest, options);
-  for (size_t begin = 0; begin < descriptors.size(); begin += kChunk) {
+  for (size_t begin = 0; begin < which.size(); begin += kChunk) {
     if (stop.stop_requested()) return;
-    const size_t count = std::min(kChunk, descriptors.size() - begin);
-    matcher.Match(descriptors.subspan(begin, count),
-                  matches.subspan(begin, count));
+    matcher.Match(descriptors,
+                  which.subspan(begin, std::min(kChunk, which.size() - begin)),
+                  matches);
   }
 }
 

@@ -47,10 +47,11 @@ size_t VisitSiftLeaves(std::span<const Node> tree,
                        const features::SiftDescriptor& descriptor,
                        std::span<uint32_t> leaves);
 
-// matches[i] for descriptors[i]. Returns early, with the rest of `matches` as
-// it was, once `stop` is requested.
+// matches[i] for descriptors[i], of each i in `which`; the others stay as they
+// were, and so does the rest once `stop` is requested.
 void MatchSift(const ForestView& forest,
                std::span<const features::SiftDescriptor> descriptors,
+               std::span<const uint32_t> which,
                const SiftSearchOptions& options, const std::stop_token& stop,
                std::span<SiftMatch> matches);
 

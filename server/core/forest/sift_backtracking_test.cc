@@ -141,9 +141,17 @@ TEST(SiftBacktrackingTest, FindsTheNearestModeAndTheNearestElsewhere) {
     descriptors.push_back(RandomDescriptor(random));
   }
   const SiftSearchOptions options{.leaves_per_tree = 4, .same_place = 0.4};
+  std::vector<uint32_t> which;
+  for (uint32_t i = 0; i < 150; ++i) {
+    if (i % 5 != 0) which.push_back(i);
+  }
   std::vector<SiftMatch> matches(descriptors.size());
-  MatchSift(view, descriptors, options, {}, matches);
+  MatchSift(view, descriptors, which, options, {}, matches);
   for (size_t i = 0; i < descriptors.size(); ++i) {
+    if (i % 5 == 0) {
+      EXPECT_EQ(matches[i].mode, kNoLeaf) << "was not asked for";
+      continue;
+    }
     std::vector<std::pair<int32_t, uint32_t>> modes;
     for (int t = 0; t < view.trees(); ++t) {
       for (const uint32_t leaf :
@@ -175,7 +183,8 @@ TEST(SiftBacktrackingTest, AStopLeavesTheRestAsItWas) {
   stop.request_stop();
   std::vector<SiftMatch> matches(2);
   const std::vector<features::SiftDescriptor> descriptors(2);
-  MatchSift(forest.View(), descriptors, {}, stop.get_token(), matches);
+  const std::vector<uint32_t> which = {0, 1};
+  MatchSift(forest.View(), descriptors, which, {}, stop.get_token(), matches);
   EXPECT_EQ(matches[0].mode, kNoLeaf);
 }
 

@@ -13,6 +13,7 @@
 #include "server/core/keyframes/brightness_moments.h"
 #include "server/core/keyframes/cell_agreement.h"
 #include "server/core/keyframes/depth_lookup.h"
+#include "server/core/keyframes/light_field.h"
 #include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
@@ -86,6 +87,7 @@ class Aligner {
       for (int i = 0; i < options_.iterations; ++i) {
         See(level, i == 0);
         if (visible_ < MinVisible(level)) return std::nullopt;
+        if (options_.evens_light && !IsUneven()) return std::nullopt;
         if (surfaces && i == 0) MeasureSurfaces();
         if (!Step(level, surfaces)) return std::nullopt;
         if (step_norm_ < 2e-5 * (1 << level)) break;
@@ -162,8 +164,23 @@ class Aligner {
       }
     }
     visible_ = SampleBrightness(image_, level, 0, end, seen_);
+    if (options_.evens_light) EvenLight(level, is_first, end);
     for (size_t k = 0; k < exposures_.size(); ++k) FitExposure(level, k);
     if (is_first) MeasureNoise(level);
+  }
+
+  // As the light was at the level's first pose.
+  void EvenLight(int level, bool is_first, size_t end) {
+    if (is_first) {
+      light_ = LightField::Fit(points_.gray[static_cast<size_t>(level)], seen_,
+                               end, calibration_.color.width(),
+                               calibration_.color.height());
+    }
+    if (light_) visible_ = light_->Even(end, seen_);
+  }
+
+  bool IsUneven() const {
+    return light_ && light_->Unevenness() >= kMinUnevenness;
   }
 
   // Of keyframe k's points.
@@ -526,6 +543,7 @@ class Aligner {
   geometry::Rigid3 camera_from_world_;
   std::vector<Exposure> exposures_;  // one a keyframe
   bool is_exposed_ = false;          // they have been fitted
+  std::optional<LightField> light_;
   std::vector<float> sizes_;
   int total_points_ = 0;
   int visible_ = 0;

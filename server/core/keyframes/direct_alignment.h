@@ -25,6 +25,9 @@ struct AlignmentOptions {
   // The pose is the picture's alone; depth is compared with what is seen from
   // there.
   bool only_measures_depth = false;
+  // Light differs over the picture; see LightField. Where it hardly does, there
+  // is no alignment.
+  bool evens_light = false;
 };
 
 struct Alignment {

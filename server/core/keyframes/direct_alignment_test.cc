@@ -90,10 +90,11 @@ class DirectAlignmentTest : public testing::Test {
   }
 
   // From a centimetre beside.
-  Alignment Align(const image::Frame& frame, const image::DepthImage* depth) {
+  Alignment Align(const image::Frame& frame, const image::DepthImage* depth,
+                  const AlignmentOptions& options = {}) {
     const geometry::Rigid3 start{{}, {0.01, 0, 0}};
     const std::optional<Alignment> aligned = AlignToKeyframes(
-        map_, PyramidOf(frame.color), depth, calibration_, start, {});
+        map_, PyramidOf(frame.color), depth, calibration_, start, options);
     EXPECT_TRUE(aligned.has_value());
     return aligned.value_or(Alignment{});
   }
@@ -124,6 +125,26 @@ TEST_F(DirectAlignmentTest, WhatCoversHalfThePictureDoesNotSetTheExposure) {
     EXPECT_GT(aligned.agreement, 0.45) << cover;
     EXPECT_LT(aligned.agreement, 0.75) << cover;
   }
+}
+
+TEST_F(DirectAlignmentTest, ALampOnOneSideIsEvenedWhereAskedFor) {
+  image::Frame frame = frame_;
+  size_t i = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      // Three stops from left to right; a quarter is as white as it gets.
+      const double gain = std::exp2(3.0 * x / kWidth - 1.5);
+      for (int c = 0; c < 3; ++c, ++i) {
+        frame.color.rgb[i] = static_cast<uint8_t>(
+            std::min(255L, std::lround(gain * frame.color.rgb[i])));
+      }
+    }
+  }
+  const Alignment uneven = Align(frame, nullptr);
+  EXPECT_LT(uneven.agreement, 0.6);
+  const Alignment even = Align(frame, nullptr, {.evens_light = true});
+  EXPECT_LT(Error_m(even), 0.002);
+  EXPECT_GT(even.agreement, 0.9);
 }
 
 TEST_F(DirectAlignmentTest, APictureOfAWallBeforeTheWallIsContradicted) {

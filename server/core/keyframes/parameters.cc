@@ -15,6 +15,7 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kExposureCells),
           base::RowOf(kMinExposurePoints),
           base::RowOf(kMinExposureCorrelation),
+          base::RowOf(kMinUnevenness),
           base::RowOf(kMaxGain),
           base::RowOf(kCorrelatedPoints),
           base::RowOf(kSurfaceNoise_m),

@@ -94,6 +94,14 @@ inline constexpr base::Parameter<float> kMinExposureCorrelation{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "... of their brightness with the picture's"};
+inline constexpr base::Parameter<float> kMinUnevenness{
+    .name = "min_unevenness",
+    .value = 0.15F,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "of light that is evened, its logarithm's standard deviation over "
+        "the picture; a lamp of one stop on one side has 0.2 to 0.4"};
 inline constexpr base::Parameter<int> kCellColumns{
     .name = "cell_columns",
     .value = 8,

@@ -68,6 +68,22 @@ pose::PoseWithCovariance KeyframeVerifier::Answer(
 
 Verdict KeyframeVerifier::Verify(Query& query,
                                  const Candidate& candidate) const {
+  const Verdict verdict = Judge(query, candidate, /*evens_light=*/false);
+  // With fewer features that agree, more that may be fitted lets more agree.
+  if (!candidate.is_matched || candidate.pose->inliers < kSufficientMatches ||
+      verdict.confidence >= kSufficientConfidence) {
+    return verdict;
+  }
+  const Verdict evened = Judge(query, candidate, /*evens_light=*/true);
+  if (evened.evidence.agreement <=
+      kMinEvenedAgreement * verdict.evidence.agreement) {
+    return verdict;
+  }
+  return evened.confidence > verdict.confidence ? evened : verdict;
+}
+
+Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
+                                bool evens_light) const {
   const pose::RefinedPose& pose = *candidate.pose;
   const camera::RgbdCalibration& calibration = query.calibration();
   Verdict verdict;
@@ -80,7 +96,8 @@ Verdict KeyframeVerifier::Verify(Query& query,
       keyframes::AlignToKeyframes(
           keyframes_, query.pyramid(), query.depth(), calibration,
           world_from_color,
-          {.keyframes = AlignedKeyframes(calibration.color, learnt_)});
+          {.keyframes = AlignedKeyframes(calibration.color, learnt_),
+           .evens_light = evens_light});
   if (aligned) {
     verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
     verdict.depth_scale = aligned->depth_scale;

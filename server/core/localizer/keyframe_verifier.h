@@ -35,6 +35,9 @@ class KeyframeVerifier final : public PoseVerifier {
   const keyframes::KeyframeMap& keyframes() const { return keyframes_; }
 
  private:
+  // In even light, or in some that differs over the picture.
+  Verdict Judge(Query& query, const Candidate& candidate,
+                bool evens_light) const;
   pose::PoseWithCovariance Answer(
       const pose::RefinedPose& candidate,
       const pose::PoseWithCovariance& aligned) const;

@@ -12,7 +12,7 @@
 #include "server/core/localizer/keyframe_verifier.h"
 #include "server/core/localizer/parameters.h"
 #include "server/core/localizer/point_line_source.h"
-#include "server/core/localizer/sift_source.h"
+#include "server/core/localizer/sift_generator.h"
 #include "server/core/localizer/support_verifier.h"
 
 namespace treeline::localizer {
@@ -50,9 +50,8 @@ absl::StatusOr<Method> MakeSift(const forest::ModelFile& model,
   TL_RETURN_IF_ERROR(CheckSiftModel(model));
   Method method;
   method.verifier = std::make_unique<SupportVerifier>(model.info());
-  method.steps.push_back(
-      {From(SiftSource(model.forest(), model.info().viewing_distance, options),
-            options)});
+  method.steps.push_back({std::make_unique<SiftGenerator>(
+      model.forest(), model.info().viewing_distance, options)});
   return method;
 }
 

@@ -178,6 +178,40 @@ inline constexpr base::Parameter<int> kMinSiftMatches{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "with fewer matches there is nothing to say"};
+inline constexpr base::Parameter<size_t> kFirstSiftShare{
+    .name = "first_sift_share",
+    .value = 4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "the forest is asked about one feature in so many first"};
+inline constexpr base::Parameter<int> kFirstSiftLeaves{
+    .name = "first_sift_leaves",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... which visits so many leaves of each tree"};
+inline constexpr base::Parameter<int> kCertainSiftInliers{
+    .name = "certain_sift_inliers",
+    .value = 30,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of those: their pose guides the others; wrong ones have up to 11"};
+inline constexpr base::Parameter<int> kSiftGuides{
+    .name = "sift_guides",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "times that the others are looked for by the pose so far; a third "
+        "time finds the same"};
+inline constexpr base::Parameter<int> kMaxGuidedSiftDistance{
+    .name = "max_guided_sift_distance",
+    .value = 200,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "between the descriptors of a feature and of a place that a pose "
+        "shows there; 99.6 % of those that the forest finds are nearer"};
 inline constexpr base::Parameter<double> kSiftRansacInlier_px{
     .name = "sift_ransac_inlier",
     .value = 6,
@@ -215,6 +249,14 @@ inline constexpr base::Parameter<double> kSufficientSigma_m{
         "... if it is as well determined; 6.6 mm at most of whole pictures "
         "with "
         "depth, 10 to 23 of narrow ones that were wrong"};
+inline constexpr base::Parameter<double> kMinEvenedAgreement{
+    .name = "min_evened_agreement",
+    .value = 1.25,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "so many times as much of the picture agrees once its light is "
+        "evened: 1.5 to 2.5 by a lamp of one stop, at most 1.2 otherwise"};
 inline constexpr base::Parameter<int> kSufficientMatches{
     .name = "sufficient_matches",
     .value = 25,
