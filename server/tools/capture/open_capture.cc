@@ -13,6 +13,7 @@
 #include "server/tools/capture/arkit_json.h"
 #include "server/tools/capture/record3d.h"
 #include "server/tools/capture/ros_bag.h"
+#include "server/tools/capture/rtabmap.h"
 #include "server/tools/capture/scannet.h"
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/transforms_json.h"
@@ -35,6 +36,8 @@ constexpr CaptureFormat kFormats[] = {
      IsTransforms, OpenTransforms},
     {"rosbag", "ROS: NAME.mcap, .db3, .bag, or the folder of ros2 bag record",
      IsRosBag, OpenRosBag},
+    {"rtabmap", "RTAB-Map, of robots and phones: NAME.db", IsRtabmap,
+     OpenRtabmap},
 };
 
 std::string Names() {

@@ -14,6 +14,7 @@
 #include "server/tools/capture/recording_writer.h"
 #include "server/tools/capture/testing_captures.h"
 #include "server/tools/capture/testing_ros_captures.h"
+#include "server/tools/capture/testing_rtabmap.h"
 
 namespace treeline::capture {
 namespace {
@@ -186,7 +187,11 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"rosbag", WriteRosMcap, 12, "capture.mcap"},
                     Case{"rosbag", WriteRosMcapFolder, 12},
                     Case{"rosbag", WriteRosSqlite, 12},
-                    Case{"rosbag", WriteRos1, 12, "capture.bag"}));
+                    Case{"rosbag", WriteRos1, 12, "capture.bag"},
+                    Case{"rtabmap", WriteRtabmap, 12, "capture.db"},
+                    Case{"rtabmap", WriteOldRtabmap, 12, "capture.db"},
+                    Case{"rtabmap", WriteOldestRtabmap, 12, "capture.db"},
+                    Case{"rtabmap", WritePhoneRtabmap, 12, "capture.db"}));
 
 }  // namespace
 }  // namespace treeline::capture
