@@ -16,14 +16,15 @@ constexpr image::ImageSize kPicture{640, 480};
 
 void ParseCalibration(capture::Bytes blob) {
   for (const capture::RtabmapVersion& version :
-       {capture::RtabmapVersion{{0, 23, 0}}, capture::RtabmapVersion{{0, 17, 0}},
+       {capture::RtabmapVersion{{0, 23, 0}},
+        capture::RtabmapVersion{{0, 17, 0}},
         capture::RtabmapVersion{{0, 10, 0}}}) {
     const auto cameras =
         capture::ParseRtabmapCalibration(blob, version, kPicture);
     if (!cameras.ok()) continue;
     if (cameras->empty()) std::abort();
     for (const capture::RtabmapCamera& camera : *cameras) {
-      fuzz::CheckRigid(camera.base_from_camera);
+      CheckRigid(camera.base_from_camera);
     }
   }
 }
@@ -38,14 +39,14 @@ void ParseMatrices(capture::Bytes blob) {
   const auto poses =
       capture::ParseOptimizedPoses(blob.first(ids), blob.subspan(ids));
   if (!poses.ok()) return;
-  for (const auto& [id, pose] : *poses) fuzz::CheckRigid(pose);
+  for (const auto& [id, pose] : *poses) CheckRigid(pose);
 }
 
 void DecodeDepth(capture::Bytes blob) {
   const auto depth = capture::DecodeRtabmapDepth(blob, 0.001);
-  if (depth.ok() && depth->values.size() !=
-                        static_cast<size_t>(depth->width) *
-                            static_cast<size_t>(depth->height)) {
+  if (depth.ok() &&
+      depth->values.size() != static_cast<size_t>(depth->width) *
+                                  static_cast<size_t>(depth->height)) {
     std::abort();
   }
 }
@@ -66,7 +67,7 @@ void Parse(capture::Bytes bytes) {
     default:
       capture::ParseDepthConfidence(blob, {64, 48}).IgnoreError();
       if (const auto pose = capture::ParseRtabmapPose(blob); pose.ok()) {
-        fuzz::CheckRigid(*pose);
+        CheckRigid(*pose);
       }
   }
 }

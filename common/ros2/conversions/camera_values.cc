@@ -336,7 +336,8 @@ absl::StatusOr<image::DepthImage> DepthOf(
   const auto a = ValueAt<float>(image.data.data() + 4, false);
   const auto b = ValueAt<float>(image.data.data() + 8, false);
   for (uint16_t& value : made.values) {
-    if (value != 0) value = image::MillimetresOf(a / (static_cast<float>(value) - b));
+    if (value != 0)
+      value = image::MillimetresOf(a / (static_cast<float>(value) - b));
   }
   return made;
 }
