@@ -161,11 +161,11 @@ TEST_F(SfmDatasetsTest, AnImageWithoutItsPictureIsLeftOutAndCounted) {
     ASSERT_TRUE(dataset.ok()) << dataset.status();
     ASSERT_EQ(dataset->size(), 1);
     EXPECT_EQ(dataset->frame(0).stem, "b.png");
-    EXPECT_EQ(dataset->structure()
-                  ->images[static_cast<size_t>(
-                      dataset->frame(0).structure_image)]
-                  .name,
-              "b.png");
+    EXPECT_EQ(
+        dataset->structure()
+            ->images[static_cast<size_t>(dataset->frame(0).structure_image)]
+            .name,
+        "b.png");
     EXPECT_EQ(dataset->missing_pictures().count, 1);
     EXPECT_EQ(dataset->missing_pictures().first, "a.png");
     EXPECT_TRUE(dataset->Load(0).ok());

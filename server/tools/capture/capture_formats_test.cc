@@ -117,8 +117,9 @@ TEST(TransformsTest, ScaleOfLengthsAndUnitOfDepth) {
 }
 
 TEST(TransformsTest, PathsStayInTheFolder) {
-  for (const char* path : {"../../etc/passwd", "/etc/passwd", "a/../../b.jpg",
-                           "..\\\\b.jpg", "C:\\\\b.jpg", "/images/../../a.jpg"}) {
+  for (const char* path :
+       {"../../etc/passwd", "/etc/passwd", "a/../../b.jpg", "..\\\\b.jpg",
+        "C:\\\\b.jpg", "/images/../../a.jpg"}) {
     const auto parsed =
         Parse(FrameJson(absl::StrCat(R"("file_path":")", path, "\"")));
     ASSERT_TRUE(parsed.ok()) << parsed.status();

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
@@ -239,8 +240,10 @@ absl::StatusOr<std::map<int, geometry::Rigid3>> ReadOptimizedPoses(
   }
   auto poses = ParseOptimizedPoses(row.Blob(0), row.Blob(1));
   if (poses.ok()) return poses;
-  return base::Annotate(poses.status(),
-                        absl::StrCat(database.path(), ": optimized poses"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      database.path(), ": optimized poses: ", poses.status().message(),
+      "; `rtabmap-export --poses --save_in_db ", database.path(),
+      "` computes them anew"));
 }
 
 // The session of most nodes.
@@ -365,9 +368,9 @@ bool IsRtabmap(const std::string& path) {
   if (!sqlite::IsDatabase(path)) return false;
   const auto database = sqlite::Database::Open(path);
   if (!database.ok()) return false;
+  // One that is cut off is opened, and says so.
   const auto has = [&](const char* table) {
-    const absl::StatusOr<bool> there = database->HasTable(table);
-    return there.ok() && *there;
+    return database->HasTable(table).value_or(absl::EndsWith(path, ".db"));
   };
   return has("Node") && has("Word") && has("Link");
 }

@@ -243,11 +243,11 @@ image::ImageSize PartOf(image::ImageSize picture, size_t cameras) {
 }  // namespace
 
 absl::StatusOr<RtabmapVersion> ParseRtabmapVersion(absl::string_view text) {
-  RtabmapVersion version;
+  RtabmapVersion version{};
   const std::vector<absl::string_view> words = absl::StrSplit(text, '.');
-  bool is_version = words.size() == version.parts.size();
+  bool is_version = words.size() == version.size();
   for (size_t i = 0; is_version && i < words.size(); ++i) {
-    is_version = absl::SimpleAtoi(words[i], &version.parts[i]);
+    is_version = absl::SimpleAtoi(words[i], &version[i]);
   }
   if (is_version) return version;
   return Broken(absl::StrCat("'", text.substr(0, 32), "' is no version"));

@@ -36,11 +36,7 @@ namespace treeline::capture {
 using Bytes = std::span<const uint8_t>;
 
 // The version of RTAB-Map by whose schema a database was made.
-struct RtabmapVersion {
-  std::array<int, 3> parts{};
-
-  auto operator<=>(const RtabmapVersion&) const = default;
-};
+using RtabmapVersion = std::array<int, 3>;
 
 // "0.21.4". INVALID_ARGUMENT: these are no three numbers.
 absl::StatusOr<RtabmapVersion> ParseRtabmapVersion(absl::string_view text);

@@ -259,7 +259,7 @@ TEST_F(RtabmapTest, ADatabaseThatIsCutOffIsSaid) {
   WriteDatabase(Today(), path);
   const std::string bytes = *base::ReadFile(path);
   folder_.Write("cut.db", bytes.substr(0, bytes.size() / 2));
-  const auto capture = OpenCapture(folder_.Path("cut.db"), "rtabmap", {});
+  const auto capture = OpenCapture(folder_.Path("cut.db"), "auto", {});
   ASSERT_FALSE(capture.ok());
   EXPECT_THAT(capture.status().message(), HasSubstr("rtabmap-recovery"));
 }
@@ -299,7 +299,7 @@ TEST(RtabmapBlobsTest, PackedMatricesMustBeAsLargeAsTheySay) {
 }
 
 TEST(RtabmapBlobsTest, VersionsAreThreeNumbers) {
-  EXPECT_EQ(ParseRtabmapVersion("0.21.4")->parts[1], 21);
+  EXPECT_EQ(ParseRtabmapVersion("0.21.4")->at(1), 21);
   EXPECT_LT(*ParseRtabmapVersion("0.9.0"), *ParseRtabmapVersion("0.18.0"));
   for (const char* text : {"", "0.21", "0.21.x", "0.21.4.1"}) {
     EXPECT_FALSE(ParseRtabmapVersion(text).ok()) << text;

@@ -57,7 +57,7 @@ void BindBlob(sqlite3_stmt* statement, int parameter,
 }
 
 bool IsSince(const std::string& version, const std::array<int, 3>& other) {
-  return ParseRtabmapVersion(version)->parts >= other;
+  return *ParseRtabmapVersion(version) >= other;
 }
 
 void CreateTables(const std::string& version, sqlite3* database) {
