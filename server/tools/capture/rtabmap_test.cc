@@ -65,7 +65,7 @@ class RtabmapTest : public testing::Test {
 TEST_F(RtabmapTest, NodesThatGraphOptimizationDidNotPlaceAreLeftOut) {
   RtabmapDatabase database = Today();
   std::vector<geometry::Rigid3> poses;
-  for (const size_t frame : {1, 3, 4}) {
+  for (const size_t frame : {size_t{1}, size_t{3}, size_t{4}}) {
     poses.push_back(Scene().world_from_camera[frame] *
                     RtabmapBaseFromCamera().Inverse());
   }

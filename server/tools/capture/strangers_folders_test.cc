@@ -1,6 +1,8 @@
 // What people have of data sets and other programs, a bit wrong as it often is.
 #include <filesystem>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
