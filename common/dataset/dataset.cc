@@ -188,13 +188,20 @@ absl::StatusOr<image::ColorImage> DecodeColorOf(const camera::Camera& camera,
   return image;
 }
 
-absl::StatusOr<image::DepthImage> DecodeDepthOf(const camera::Camera& camera,
-                                                double unit_m,
-                                                const std::string& bytes) {
+absl::StatusOr<image::DepthImage> DecodeDepthOf(
+    const camera::RgbdCalibration& calibration, bool is_registered,
+    double unit_m, const std::string& bytes) {
   TL_ASSIGN_OR_RETURN(image::DepthImage image,
                       image::DecodeDepthPng(bytes, unit_m));
-  TL_RETURN_IF_ERROR(CheckSameSize("depth", image.width, image.height, camera));
-  return image;
+  const absl::Status same =
+      CheckSameSize("depth", image.width, image.height, calibration.depth);
+  if (same.ok()) return image;
+  if (!is_registered) return same;
+  return absl::InvalidArgumentError(absl::StrCat(
+      same.message(),
+      ": this format takes depth to be registered to colour. If it is not, say "
+      "where the depth camera is in a file cameras.json in the recording's "
+      "folder (color_from_depth): docs/reference/import.md"));
 }
 
 }  // namespace
@@ -231,6 +238,7 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
                       ChooseCalibration(options, index, focal_length_px));
   dataset.uri_ = options.uri;
   dataset.frames_ = std::move(index.frames);
+  dataset.missing_pictures_ = std::move(index.missing_pictures);
   dataset.states_its_cameras_ =
       std::holds_alternative<camera::RgbdCalibration>(index.cameras);
   dataset.depth_is_registered_ = DepthIsRegistered(index);
@@ -275,8 +283,8 @@ absl::StatusOr<image::Frame> Dataset::Load(int i) const {
   result.calibration = CalibrationOf(encoded);
   result.color = *std::move(color);
   if (!frame(i).depth_path.empty()) {
-    absl::StatusOr<image::DepthImage> depth =
-        DecodeDepthOf(calibration_.depth, depth_unit_m_, encoded.depth);
+    absl::StatusOr<image::DepthImage> depth = DecodeDepthOf(
+        calibration_, depth_is_registered_, depth_unit_m_, encoded.depth);
     if (!depth.ok()) return base::Annotate(depth.status(), frame(i).depth_path);
     result.depth = *std::move(depth);
   }
@@ -291,9 +299,9 @@ absl::StatusOr<image::Frame> Dataset::Decode(const Encoded& encoded) const {
       DecodeColorOf(encoded.color_camera.value_or(calibration_.color),
                     encoded.color));
   if (!encoded.depth.empty()) {
-    TL_ASSIGN_OR_RETURN(
-        result.depth,
-        DecodeDepthOf(calibration_.depth, depth_unit_m_, encoded.depth));
+    TL_ASSIGN_OR_RETURN(result.depth,
+                        DecodeDepthOf(calibration_, depth_is_registered_,
+                                      depth_unit_m_, encoded.depth));
   }
   return result;
 }

@@ -29,7 +29,8 @@ struct DatasetOptions {
   std::string pose_file{};
   // "MODEL,p1,p2,..." (COLMAP names). color_camera wins over the pose file's
   // focal length and the cameras of a structure from motion. TUM has no depth
-  // camera of its own: depth is registered.
+  // camera of its own, unless a cameras.json beside its lists says so: depth is
+  // registered.
   std::string color_camera{};
   std::string depth_camera{};
   // Metres per depth unit; 0: 0.001 for 7-Scenes, 1/5000 for TUM, the
@@ -68,6 +69,13 @@ class Dataset {
   const DatasetFrame& frame(int i) const {
     return frames_[static_cast<size_t>(i)];
   }
+  // Images of a structure from motion whose pictures are not there: of those
+  // that were asked for, they alone are no frames.
+  struct MissingPictures {
+    int count = 0;
+    std::string first;
+  };
+  const MissingPictures& missing_pictures() const { return missing_pictures_; }
   // The same recording with these of its frames alone.
   Dataset Subset(std::span<const int> frames) const;
   const std::string& uri() const { return uri_; }
@@ -78,7 +86,7 @@ class Dataset {
   // format's default or the options alone.
   bool states_its_cameras() const { return states_its_cameras_; }
   // Whether depth pixel (x, y) already sees what colour pixel (x, y) sees
-  // (TUM); false for 7-Scenes.
+  // (TUM without cameras.json); false for 7-Scenes.
   bool depth_is_registered() const { return depth_is_registered_; }
   // Metres per unit of the depth files.
   double depth_unit_m() const { return depth_unit_m_; }
@@ -110,6 +118,7 @@ class Dataset {
 
   std::string uri_;
   std::vector<DatasetFrame> frames_;
+  MissingPictures missing_pictures_;
   camera::RgbdCalibration calibration_;
   bool states_its_cameras_ = false;
   bool depth_is_registered_ = false;

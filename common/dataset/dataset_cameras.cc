@@ -6,7 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "common/base/file.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
+#include "common/camera/calibration_json.h"
 #include "common/dataset/picture_files.h"
 #include "common/image/decode.h"
 
@@ -104,6 +107,17 @@ absl::StatusOr<camera::RgbdCalibration> DefaultCalibration(
 }
 
 }  // namespace
+
+absl::Status ReadCamerasFile(const std::string& folder, DatasetIndex& index) {
+  const std::string path = folder + "/cameras.json";
+  if (!base::IsFile(path)) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const std::string json, base::ReadFile(path, 1u << 20));
+  const absl::StatusOr<camera::RgbdCalibration> cameras =
+      camera::CalibrationFromJson(json);
+  if (!cameras.ok()) return base::Annotate(cameras.status(), path);
+  index.cameras = *cameras;
+  return absl::OkStatus();
+}
 
 bool DepthIsRegistered(const DatasetIndex& index) {
   const auto* defaults = std::get_if<DefaultCameras>(&index.cameras);

@@ -4,12 +4,17 @@
 #define COMMON_DATASET_DATASET_CAMERAS_H_
 
 #include <optional>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "common/camera/rgbd_calibration.h"
 #include "common/dataset/dataset_index.h"
 
 namespace treeline::dataset {
+
+// Takes the cameras of FOLDER/cameras.json, as `treeline import` and `treeline
+// calibrate` write it, for the index's, if that file is there.
+absl::Status ReadCamerasFile(const std::string& folder, DatasetIndex& index);
 
 // Whether depth pixels see what colour pixels see.
 bool DepthIsRegistered(const DatasetIndex& index);

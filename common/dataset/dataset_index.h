@@ -27,6 +27,7 @@ struct DefaultCameras {
 
 struct DatasetIndex {
   std::vector<DatasetFrame> frames;
+  Dataset::MissingPictures missing_pictures{};
   // A calibration where the recording itself has one.
   std::variant<DefaultCameras, camera::RgbdCalibration> cameras;
   double depth_unit_m = 0.001;

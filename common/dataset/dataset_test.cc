@@ -94,6 +94,36 @@ TEST_F(DatasetTest, SevenScenesWithoutAListReadsAllSequencesInOrder) {
   EXPECT_FALSE(frame->calibration.has_value());
 }
 
+TEST_F(DatasetTest, TumDepthOfAnotherCameraNeedsAFileThatSaysWhereThatIs) {
+  Write("rgb.txt", "1.0 a.png\n");
+  Write("depth.txt", "1.0 b.png\n");
+  Write("groundtruth.txt", "0.99 0 0 0 0 0 0 1\n1.01 0 0 0 0 0 0 1\n");
+  Write("a.png", *image::EncodePng(FlatColor(640, 480, 9)));
+  Write("b.png", *image::EncodeDepthPng(FlatDepth(320, 240, 5000)));
+  const auto registered = Dataset::Open(Tum());
+  ASSERT_TRUE(registered.ok()) << registered.status();
+  EXPECT_THAT(std::string(registered->Load(0).status().message()),
+              AllOf(HasSubstr("b.png"), HasSubstr("320 x 240"),
+                    HasSubstr("cameras.json"), HasSubstr("color_from_depth")));
+  camera::RgbdCalibration cameras;
+  cameras.depth = *camera::Camera::Parse("PINHOLE,290,290,160,120", 320, 240);
+  cameras.color_from_depth.translation.x = 0.02;
+  cameras.pose_sensor = camera::RgbdSensor::kColor;
+  Write("cameras.json", camera::CalibrationToJson(cameras));
+  const auto apart = Dataset::Open(Tum());
+  ASSERT_TRUE(apart.ok()) << apart.status();
+  EXPECT_FALSE(apart->depth_is_registered());
+  EXPECT_TRUE(apart->states_its_cameras());
+  EXPECT_EQ(apart->calibration(), cameras);
+  const auto frame = apart->Load(0);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->depth->width, 320);
+  EXPECT_EQ(frame->depth->unit_m, 0.0002);
+  Write("cameras.json", "{}");
+  EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kInvalidArgument),
+              HasSubstr("cameras.json"));
+}
+
 TEST_F(DatasetTest, EncodedFilesDecodeToWhatLoadGives) {
   WriteSevenScenesFrame("seq-01/frame-000000", 0);
   const auto dataset = Dataset::Open(SevenScenes());

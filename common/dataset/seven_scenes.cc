@@ -2,10 +2,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "common/base/file.h"
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
-#include "common/camera/calibration_json.h"
+#include "common/dataset/dataset_cameras.h"
 #include "common/dataset/frame_files.h"
 
 namespace treeline::dataset {
@@ -26,15 +25,6 @@ std::vector<ListedStem> ScanStems(const std::string& folder) {
   return stems;
 }
 
-// What an imported recording says of its cameras.
-absl::StatusOr<camera::RgbdCalibration> ReadCameras(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string json, base::ReadFile(path, 1u << 20));
-  absl::StatusOr<camera::RgbdCalibration> cameras =
-      camera::CalibrationFromJson(json);
-  if (!cameras.ok()) return base::Annotate(cameras.status(), path);
-  return cameras;
-}
-
 }  // namespace
 
 absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request) {
@@ -44,10 +34,7 @@ absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request) {
   index.cameras = DefaultCameras{.color = "PINHOLE,525,525,320,240",
                                  .depth = "PINHOLE,585,585,320,240",
                                  .pose_sensor = camera::RgbdSensor::kDepth};
-  const std::string cameras_path = request.path + "/cameras.json";
-  if (base::IsFile(cameras_path)) {
-    TL_ASSIGN_OR_RETURN(index.cameras, ReadCameras(cameras_path));
-  }
+  TL_RETURN_IF_ERROR(ReadCamerasFile(request.path, index));
   index.depth_unit_m = 0.001;
   const std::vector<ListedStem> stems =
       request.stems.empty() ? ScanStems(request.path) : request.stems;

@@ -36,12 +36,34 @@ std::optional<std::string> FindPicture(const std::string& folder,
   return std::nullopt;
 }
 
-absl::StatusOr<std::string> PictureOf(const std::string& folder,
-                                      const std::string& name) {
-  std::optional<std::string> path = FindPicture(folder, name);
-  if (path) return *std::move(path);
-  return absl::NotFoundError(absl::StrCat("there is no picture ", folder, "/",
-                                          name, " of an image of the model"));
+// One picture of hundreds is lost easily; where most are, it is the wrong
+// folder.
+constexpr double kMaxMissingShare = 0.5;
+
+// Takes images whose pictures are not in `folder` out of `selected`, as indices
+// into `images`. NOT_FOUND: more than half are missing.
+template <typename Images>
+absl::StatusOr<Dataset::MissingPictures> DropMissing(
+    const std::string& folder, const Images& images,
+    std::vector<int32_t>& selected) {
+  Dataset::MissingPictures missing;
+  const size_t before = selected.size();
+  std::erase_if(selected, [&](int32_t i) {
+    const std::string& name = images[static_cast<size_t>(i)].name;
+    if (FindPicture(folder, name)) return false;
+    if (missing.count++ == 0) missing.first = name;
+    return true;
+  });
+  if (static_cast<double>(missing.count) <=
+      kMaxMissingShare * static_cast<double>(before)) {
+    return missing;
+  }
+  return absl::NotFoundError(
+      absl::StrCat(missing.count, " of ", before,
+                   " pictures of the model's images are not "
+                   "in ",
+                   folder, ", the first: ", missing.first,
+                   "; is it the folder that the model was made of?"));
 }
 
 // Whether a model is in metres, which its folder's units.txt says: structure
@@ -75,14 +97,18 @@ absl::StatusOr<std::vector<int32_t>> SelectImages(const IndexRequest& request,
 
 absl::StatusOr<DatasetIndex> IndexOf(std::shared_ptr<const SfmModel> model,
                                      const std::vector<int32_t>& selected,
+                                     Dataset::MissingPictures missing,
                                      const std::string& folder) {
   DatasetIndex index;
+  index.missing_pictures = std::move(missing);
   index.units_are_metres = false;
   for (const int32_t i : selected) {
     const SfmModel::Image& image = model->images[static_cast<size_t>(i)];
     DatasetFrame frame;
     frame.stem = image.name;
-    TL_ASSIGN_OR_RETURN(frame.color_path, PictureOf(folder, image.name));
+    const std::optional<std::string> path = FindPicture(folder, image.name);
+    if (!path) continue;  // it has gone since it was looked for
+    frame.color_path = *path;
     frame.world_from_camera = image.camera_from_world.Inverse();
     frame.color_camera = model->cameras[static_cast<size_t>(image.camera)];
     frame.structure_image = i;
@@ -109,23 +135,27 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
                         ReadColmap(request.path, camera::Camera()));
     TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
                         SelectImages(request, named.images, request.path));
-    if (!selected.empty()) {
-      TL_ASSIGN_OR_RETURN(
-          const std::string path,
-          PictureOf(request.image_folder,
-                    named.images[static_cast<size_t>(selected.front())].name));
-      TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadPictureSize(path));
+    for (const int32_t i : selected) {
+      const std::optional<std::string> path = FindPicture(
+          request.image_folder, named.images[static_cast<size_t>(i)].name);
+      if (!path) continue;
+      TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadPictureSize(*path));
       TL_ASSIGN_OR_RETURN(
           camera,
           camera::Camera::Parse(request.color_camera, size.width, size.height));
+      break;
     }
   }
   TL_ASSIGN_OR_RETURN(SfmModel model, ReadColmap(request.path, camera));
   auto shared = std::make_shared<const SfmModel>(std::move(model));
-  TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+  TL_ASSIGN_OR_RETURN(std::vector<int32_t> selected,
                       SelectImages(request, shared->images, request.path));
-  TL_ASSIGN_OR_RETURN(DatasetIndex index, IndexOf(std::move(shared), selected,
-                                                  request.image_folder));
+  TL_ASSIGN_OR_RETURN(
+      Dataset::MissingPictures missing,
+      DropMissing(request.image_folder, shared->images, selected));
+  TL_ASSIGN_OR_RETURN(DatasetIndex index,
+                      IndexOf(std::move(shared), selected, std::move(missing),
+                              request.image_folder));
   TL_ASSIGN_OR_RETURN(index.units_are_metres, IsInMetres(request.path));
   return index;
 }
@@ -135,17 +165,20 @@ absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {
   TL_ASSIGN_OR_RETURN(const std::string text,
                       base::ReadFile(file, kMaxNvmBytes));
   TL_ASSIGN_OR_RETURN(const NvmModel nvm, ParseNvm(text, file));
-  TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+  TL_ASSIGN_OR_RETURN(std::vector<int32_t> selected,
                       SelectImages(request, nvm.images, file));
   std::string folder = fs::path(file).parent_path().string();
   if (folder.empty()) folder = ".";
+  TL_ASSIGN_OR_RETURN(Dataset::MissingPictures missing,
+                      DropMissing(folder, nvm.images, selected));
   // Pictures that were not selected need not be there.
   std::vector<image::ImageSize> sizes(nvm.images.size(), {1, 1});
   for (const int32_t i : selected) {
     const size_t image = static_cast<size_t>(i);
-    TL_ASSIGN_OR_RETURN(const std::string path,
-                        PictureOf(folder, nvm.images[image].name));
-    TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadPictureSize(path));
+    const std::optional<std::string> path =
+        FindPicture(folder, nvm.images[image].name);
+    if (!path) continue;
+    TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadPictureSize(*path));
     sizes[image] = {size.width, size.height};
   }
   TL_ASSIGN_OR_RETURN(SfmModel model, ToSfmModel(nvm, sizes, file));
@@ -158,7 +191,7 @@ absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {
     }
   }
   return IndexOf(std::make_shared<const SfmModel>(std::move(model)), selected,
-                 folder);
+                 std::move(missing), folder);
 }
 
 }  // namespace treeline::dataset

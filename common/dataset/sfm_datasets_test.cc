@@ -141,12 +141,35 @@ TEST_F(SfmDatasetsTest, MissingPartsAndWrongOptionsAreNamed) {
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kNotFound),
               HasSubstr("/no/such"));
   fs::remove(folder_.Path("images/a.png"));
+  fs::remove(folder_.Path("images/b.png"));
   EXPECT_THAT(ErrorOf(Colmap(), absl::StatusCode::kNotFound),
-              HasSubstr("images/a.png"));
+              AllOf(HasSubstr("2 of 2 pictures"), HasSubstr("first: a.png")));
   fs::remove(folder_.Path("model/points3D.txt"));
   Write("model/images.txt", "# none\n");
   EXPECT_THAT(ErrorOf(Colmap(), absl::StatusCode::kInvalidArgument),
               HasSubstr("no image"));
+}
+
+TEST_F(SfmDatasetsTest, AnImageWithoutItsPictureIsLeftOutAndCounted) {
+  WriteColmap();
+  EXPECT_EQ(Dataset::Open(Colmap())->missing_pictures().count, 0);
+  fs::remove(folder_.Path("images/a.png"));
+  DatasetOptions options = Colmap();
+  for (const char* camera : {"", "PINHOLE,31,31,16,12"}) {
+    options.color_camera = camera;
+    const auto dataset = Dataset::Open(options);
+    ASSERT_TRUE(dataset.ok()) << dataset.status();
+    ASSERT_EQ(dataset->size(), 1);
+    EXPECT_EQ(dataset->frame(0).stem, "b.png");
+    EXPECT_EQ(
+        dataset->structure()
+            ->images[static_cast<size_t>(dataset->frame(0).structure_image)]
+            .name,
+        "b.png");
+    EXPECT_EQ(dataset->missing_pictures().count, 1);
+    EXPECT_EQ(dataset->missing_pictures().first, "a.png");
+    EXPECT_TRUE(dataset->Load(0).ok());
+  }
 }
 
 TEST_F(SfmDatasetsTest, AFileThatVanishesIsAnErrorOfItsFrame) {

@@ -14,6 +14,7 @@
 #include "common/base/file.h"
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/dataset_cameras.h"
 #include "common/dataset/dataset_index.h"
 
 namespace treeline::dataset {
@@ -169,6 +170,7 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   DatasetIndex index;
   index.cameras = DefaultCameras{.color = TumColorCamera(request.path)};
   index.depth_unit_m = 1.0 / 5000;
+  TL_RETURN_IF_ERROR(ReadCamerasFile(request.path, index));
 
   const std::string colors_path = request.path + "/rgb.txt";
   const absl::StatusOr<std::vector<TimedFile>> listed = ReadList(colors_path);

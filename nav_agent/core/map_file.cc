@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iterator>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -232,12 +233,24 @@ struct MapPicture {
   GreyPicture picture;
 };
 
+// Beside the file, or, where the file is a link, beside what it is a link to.
+std::filesystem::path PicturePath(const std::string& path,
+                                  const std::string& image) {
+  namespace fs = std::filesystem;
+  const fs::path beside = fs::path(path).parent_path() / image;
+  std::error_code error;
+  if (fs::exists(beside, error)) return beside;
+  const fs::path target = fs::canonical(path, error);
+  if (error) return beside;
+  const fs::path beside_target = target.parent_path() / image;
+  return fs::exists(beside_target, error) ? beside_target : beside;
+}
+
 absl::StatusOr<MapPicture> ReadMapPicture(const std::string& path) {
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode yaml, yaml::YamlNode::Read(path));
   MapPicture map;
   TL_ASSIGN_OR_RETURN(map.settings, ReadSettings(yaml));
-  const std::filesystem::path image =
-      std::filesystem::path(path).parent_path() / map.settings.image;
+  const std::filesystem::path image = PicturePath(path, map.settings.image);
   TL_ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(image.string()));
   TL_ASSIGN_OR_RETURN(map.picture, ParsePicture(bytes, image.string()));
   return map;

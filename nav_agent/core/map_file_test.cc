@@ -1,6 +1,7 @@
 #include "nav_agent/core/map_file.h"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "common/base/file.h"
@@ -94,6 +95,27 @@ TEST_F(MapFileTest, PngIsReadAsPgmIs) {
   Write("m.png", png->substr(0, 20));
   EXPECT_THAT(std::string(ReadMap(path).status().message()),
               HasSubstr("m.png"));
+}
+
+// Maps lie in one folder, and links to them where they are used.
+TEST_F(MapFileTest, OfALinkThePictureIsBesideItOrBesideItsTarget) {
+  Write("m.pgm", "P2 1 2 255 0 254\n");
+  const std::string target =
+      Write("m.yaml", "image: m.pgm\nresolution: 1\norigin: [0, 0, 0]\n");
+  const std::filesystem::path elsewhere = folder_ / "used";
+  std::filesystem::create_directory(elsewhere);
+  std::filesystem::create_symlink(target, elsewhere / "link.yaml");
+  const std::string link = (elsewhere / "link.yaml").string();
+  const auto map = ReadMap(link);
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_EQ(map->At({0, 1}), kO);
+  // What lies beside the link counts more.
+  std::ofstream(elsewhere / "m.pgm") << "P2 1 2 255 254 254\n";
+  EXPECT_EQ(ReadMap(link)->At({0, 1}), kF);
+  std::filesystem::remove(elsewhere / "m.pgm");
+  std::filesystem::remove(folder_ / "m.pgm");
+  EXPECT_THAT(std::string(ReadMap(link).status().message()),
+              HasSubstr("used/m.pgm"));
 }
 
 TEST_F(MapFileTest, SaysWhatIsWrong) {

@@ -6,9 +6,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "server/app/watched_folder.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
-#include "server/repository/folder_source.h"
 #include "server/repository/http_model_source.h"
 
 namespace treeline::server_app {
@@ -27,11 +27,23 @@ absl::StatusOr<std::shared_ptr<const repository::IndexKeys>> ReadIndexKeys(
   return std::make_shared<const repository::IndexKeys>(*std::move(keys));
 }
 
+// A model that somebody put where it is not looked for.
+void LogMisplaced(const std::string& path, logging::ProgramLog& log) {
+  log.Write(
+      logging::LogLevel::kWarn,
+      log.Event()
+          .Text("path", path)
+          .Message("passed over: a model is <scene>/<version>/model.treeline, "
+                   "with names of A-Z a-z 0-9 . _ -"));
+}
+
 absl::StatusOr<std::unique_ptr<repository::ModelSource>> OpenSource(
     const ServerConfig& config, const std::stop_token& stop,
     logging::ProgramLog& log, const base::Clock& clock) {
   if (!repository::IsModelUrl(config.models)) {
-    return std::make_unique<repository::FolderSource>(config.models);
+    return std::make_unique<WatchedFolder>(
+        config.models,
+        [&log](const std::string& path) { LogMisplaced(path, log); });
   }
   repository::HttpModelSourceOptions options;
   options.url = config.models;
@@ -87,22 +99,6 @@ void LogScenes(const repository::SceneRepository& repository,
   }
 }
 
-// Models that somebody put where they are not looked for.
-void LogMisplaced(const std::string& models, logging::ProgramLog& log) {
-  constexpr size_t kMostNamed = 10;
-  if (repository::IsModelUrl(models)) return;
-  for (const std::string& path :
-       repository::MisplacedModels(models, kMostNamed)) {
-    log.Write(
-        logging::LogLevel::kWarn,
-        log.Event()
-            .Text("path", path)
-            .Message(
-                "passed over: a model is <scene>/<version>/model.treeline, "
-                "with names of A-Z a-z 0-9 . _ -"));
-  }
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<repository::SceneRepository>> OpenRepository(
@@ -129,7 +125,6 @@ absl::StatusOr<std::unique_ptr<repository::SceneRepository>> OpenRepository(
     TL_RETURN_IF_ERROR((*repository)->WaitForLoads(stop));
   }
   LogScenes(**repository, config.models, log);
-  LogMisplaced(config.models, log);
   return repository;
 }
 

@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/string_view.h"
 #include "server/tools/capture/arkit_json.h"
+#include "server/tools/capture/posed_pictures.h"
 #include "server/tools/capture/record3d.h"
 #include "server/tools/capture/scannet.h"
 #include "server/tools/capture/stray_scanner.h"
@@ -25,10 +26,12 @@ void CheckArkit(const absl::StatusOr<capture::ArkitCamera>& camera) {
 }
 
 void Parse(absl::string_view text) {
-  const auto transforms =
-      capture::ParseTransforms(text, "fuzz", [](const std::string& /*path*/) {
+  const auto transforms = capture::ParseTransforms(
+      text, "fuzz",
+      [](const std::string& /*path*/) {
         return absl::StatusOr<image::ImageSize>(image::ImageSize{640, 480});
-      });
+      },
+      [](const std::string& path) { return path.size() % 2 == 0; });
   if (transforms.ok()) {
     Require(transforms->depth_unit_m > 0);
     for (const capture::TransformsFrame& frame : transforms->frames) {
@@ -37,6 +40,13 @@ void Parse(absl::string_view text) {
       Require(!absl::StartsWith(frame.file_path, "/"));
       Require(!absl::StrContains("/" + frame.file_path + "/", "/../"));
       Require(!absl::StrContains("/" + frame.depth_path + "/", "/../"));
+    }
+  }
+  for (const auto& poses : {capture::ParsePoseLines(text, "fuzz"),
+                            capture::ParsePoseLog(text, "fuzz")}) {
+    if (!poses.ok()) continue;
+    for (const auto& [frame, pose] : *poses) {
+      if (pose.ok()) Require(geometry::IsFinite(*pose));
     }
   }
   if (const auto stray = capture::ParseStrayOdometry(text, "fuzz");

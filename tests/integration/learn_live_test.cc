@@ -118,6 +118,20 @@ TEST_F(LearnLive, LearnsWhatStandardInputNames) {
   EXPECT_TRUE(fs::exists(model()));
 }
 
+TEST_F(LearnLive, PosesThatAreMeantOtherwiseAreRefused) {
+  Record(30);
+  for (geometry::Rigid3& pose : poses_) pose = pose.Inverse();
+  std::string lines;
+  for (int i = 0; i < 30; ++i) absl::StrAppend(&lines, Line(i));
+  folder_.Write("lines", lines);
+  const ProgramResult result =
+      LiveFrom(absl::StrCat("cat '", folder_.Path("lines"), "'"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("standard input: poses and depth"));
+  EXPECT_THAT(result.err, HasSubstr("inverse"));
+  ExpectNothingIsLeft();
+}
+
 // Poses that were wrong and are put right before the end, and after it.
 TEST_F(LearnLive, CorrectsPoses) {
   Record(30);

@@ -9,6 +9,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/tools/capture/testing_captures.h"
+#include "server/tools/capture/testing_rtabmap.h"
 #include "tests/integration/process.h"
 
 namespace treeline {
@@ -89,6 +90,22 @@ TEST_F(LearnProgram, MakesASceneThatServesOfACapture) {
   EXPECT_EQ(next.exit_code, 0) << next.err;
   EXPECT_THAT(next.out, HasSubstr("the recording's own cameras"));
   EXPECT_TRUE(fs::exists(folder_.Path("models/box/2/model.treeline")));
+}
+
+// What users of RTAB-Map have: a walk in one file, its graph optimized.
+TEST_F(LearnProgram, LearnsADatabaseOfRtabMap) {
+  const std::string walk = folder_.Path("walk.db");
+  capture::WriteRtabmap(capture::MakeTrueScene(60), walk);
+  const ProgramResult result = RunProgram(Learn(walk));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("60 frames of a rtabmap capture"));
+  const std::string recording = folder_.Path("learnt/recording");
+  const ProgramResult evaluated = RunProgram(
+      {TREELINE_PROGRAM, "evaluate", "--model",
+       folder_.Path("models/box/1/model.treeline"), "--dataset",
+       "7scenes:" + recording, "--frames", recording + "/test.txt", "--quiet"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out, HasSubstr("localized                10"));
 }
 
 // What a robot recorded: keyframes with a calibration beside them.

@@ -12,6 +12,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "common/image/millimetres.h"
+#include "common/image/rvl.h"
 
 namespace treeline::conversions {
 namespace {
@@ -20,7 +22,6 @@ namespace {
 constexpr size_t kCompressedDepthHeader = 12;
 constexpr double kMillimetre = 0.001;
 // Beyond this a 16-bit picture in mm has no values.
-constexpr float kMaxDepth_m = 65.534F;
 
 constexpr image::DecodeLimits kLimits;
 
@@ -91,11 +92,6 @@ T ValueAt(const uint8_t* at, bool is_swapped) {
   std::memcpy(bytes.data(), at, sizeof(T));
   if (is_swapped) std::ranges::reverse(bytes);
   return std::bit_cast<T>(bytes);
-}
-
-uint16_t MillimetresOf(float depth_m) {
-  if (!(depth_m > 0) || depth_m > kMaxDepth_m) return 0;
-  return static_cast<uint16_t>(std::lround(depth_m * 1000));
 }
 
 struct Intrinsics {
@@ -306,7 +302,7 @@ absl::StatusOr<image::DepthImage> DepthOf(const messages::Image& image) {
   for (size_t y = 0; y < image.height; ++y) {
     const uint8_t* from = image.data.data() + y * image.step;
     for (size_t x = 0; x < image.width; ++x, from += pixel_bytes, ++to) {
-      *to = is_float ? MillimetresOf(ValueAt<float>(from, is_swapped))
+      *to = is_float ? image::MillimetresOf(ValueAt<float>(from, is_swapped))
                      : ValueAt<uint16_t>(from, is_swapped);
     }
   }
@@ -322,24 +318,26 @@ absl::StatusOr<image::DepthImage> DepthOf(
     return image::DecodeDepthPng(bytes, kMillimetre, kLimits);
   }
   if ((!is_float && !absl::StrContains(image.format, "16UC1")) ||
-      absl::StrContains(image.format, "rvl") ||
       image.data.size() < kCompressedDepthHeader) {
     return absl::InvalidArgumentError(absl::StrCat(
         "depth: the format \"", image.format, "\" of ", image.data.size(),
-        " bytes is not known; \"16UC1; compressedDepth png\" and \"32FC1; "
-        "compressedDepth png\" are"));
+        " bytes is not known; \"16UC1; compressedDepth\" and \"32FC1; "
+        "compressedDepth\", each with png or rvl, are"));
   }
+  const absl::string_view packed = bytes.substr(kCompressedDepthHeader);
+  const bool is_rvl = absl::StrContains(image.format, "rvl");
   TL_ASSIGN_OR_RETURN(
       image::DepthImage made,
-      image::DecodeDepthPng(bytes.substr(kCompressedDepthHeader), kMillimetre,
-                            kLimits));
+      is_rvl ? image::DecodeRvl(packed, kMillimetre, kLimits)
+             : image::DecodeDepthPng(packed, kMillimetre, kLimits));
   if (!is_float) return made;
   // Behind an int: the inverse of the depth was quantized,
   // value = a / depth + b (compressed_depth_image_transport, codec.cpp).
   const auto a = ValueAt<float>(image.data.data() + 4, false);
   const auto b = ValueAt<float>(image.data.data() + 8, false);
   for (uint16_t& value : made.values) {
-    if (value != 0) value = MillimetresOf(a / (static_cast<float>(value) - b));
+    if (value != 0)
+      value = image::MillimetresOf(a / (static_cast<float>(value) - b));
   }
   return made;
 }

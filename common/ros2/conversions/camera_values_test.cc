@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/image/decode.h"
+#include "common/image/testing_depth_codecs.h"
 
 namespace treeline::conversions {
 namespace {
@@ -177,8 +178,14 @@ TEST(CameraValuesTest, CompressedPictures) {
   message.data.assign(12, 0);
   message.data.insert(message.data.end(), depth_png->begin(), depth_png->end());
   EXPECT_EQ(DepthOf(message)->values, depth.values);
-  message.format = "32FC1; compressedDepth rvl";
-  EXPECT_FALSE(DepthOf(message).ok());
+  message.format = "16UC1; compressedDepth rvl";
+  EXPECT_FALSE(DepthOf(message).ok());  // it is still the PNG
+  const std::string rvl = image::EncodedRvl(2, 1, depth.values);
+  message.data.assign(12, 0);
+  message.data.insert(message.data.end(), rvl.begin(), rvl.end());
+  const auto of_rvl = DepthOf(message);
+  ASSERT_TRUE(of_rvl.ok()) << of_rvl.status();
+  EXPECT_EQ(of_rvl->values, depth.values);
 }
 
 // As compressed_depth_image_transport quantizes floats: value = a / depth + b.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 
+#include "absl/strings/str_format.h"
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
 
@@ -227,6 +228,16 @@ std::optional<OtherConvention> FindOtherConvention(
   }
   if (found.reading.empty()) return std::nullopt;
   return found;
+}
+
+absl::Status ConventionError(const std::string& name,
+                             const OtherConvention& other) {
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "%s: poses and depth do not fit together: of the depth that they carry "
+      "into another frame, %.0f %% meets what was measured there. It would be "
+      "%.0f %% if %s: %s. docs/frames.md says what is expected",
+      name, 100 * other.agreement_as_read, 100 * other.agreement, other.reading,
+      other.remedy));
 }
 
 }  // namespace treeline::training

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "common/camera/rgbd_calibration.h"
 #include "server/core/training/surface_consistency.h"
 
@@ -30,6 +31,11 @@ struct OtherConvention {
 std::optional<OtherConvention> FindOtherConvention(
     const std::vector<PosedDepth>& frames,
     const camera::RgbdCalibration& calibration, int threads);
+
+// FAILED_PRECONDITION with both shares, the reading and what to do, for frames
+// of `name`.
+absl::Status ConventionError(const std::string& name,
+                             const OtherConvention& other);
 
 }  // namespace treeline::training
 

@@ -317,13 +317,7 @@ absl::Status CheckConvention(const dataset::Dataset& dataset,
                              const LoadedFrames& loaded, int threads) {
   const std::optional<OtherConvention> other =
       FindOtherConvention(loaded.depths, dataset.calibration(), threads);
-  if (!other) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrFormat(
-      "%s: poses and depth do not fit together: of the depth that they carry "
-      "into another frame, %.0f %% meets what was measured there. It would be "
-      "%.0f %% if %s: %s. docs/frames.md says what is expected",
-      dataset.uri(), 100 * other->agreement_as_read, 100 * other->agreement,
-      other->reading, other->remedy));
+  return other ? ConventionError(dataset.uri(), *other) : absl::OkStatus();
 }
 
 absl::Status CheckSizes(const LoadedFrames& loaded,

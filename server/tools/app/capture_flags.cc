@@ -33,7 +33,7 @@ void AddCaptureFlags(CLI::App& command, CaptureFlags& flags,
   in_group(command.add_option(
                "--up", flags.open.up,
                "Which axis of the capture's world points up (default: as "
-               "the format has it: y for phones, z for the others)"))
+               "the format has it: y for phones, z for most others)"))
       ->type_name("x|-x|y|-y|z|-z");
   in_group(command.add_option(
                "--every", flags.write.every,

@@ -48,6 +48,7 @@ Examples:
   treeline import polycam-raw --output office --min-confidence 2
   treeline import nerf/transforms.json --output scan --up y
   treeline import walk.mcap --output office --every 6
+  treeline import rtabmap.db --output office
   treeline import photographs --output square \
       --distance IMG_0012.jpg,IMG_0031.jpg,4.2
   treeline import walk.mp4 --output square

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -26,6 +28,7 @@
 #include "common/base/version.h"
 #include "common/image/decode.h"
 #include "server/core/training/live_learner.h"
+#include "server/core/training/pose_watch.h"
 #include "server/core/training/rgbd_calibrator.h"
 #include "server/repository/names.h"
 #include "server/tools/calibration_file.h"
@@ -107,6 +110,8 @@ struct OpenedSource {
   std::string name;
   double depth_unit_m = kMillimetre_m;
   camera::RgbdCalibration calibration;
+  // Of frames from outside: a recording's poses were checked before.
+  std::optional<training::PoseWatch> pose_watch;
 };
 
 absl::Status CalibrateRecording(const LearnOptions& options,
@@ -198,6 +203,8 @@ absl::StatusOr<OpenedSource> OpenStandardInput(const LearnOptions& options) {
     opened.depth_unit_m = options.dataset.depth_unit_m;
   }
   opened.name = "standard input";
+  opened.pose_watch.emplace(opened.name, opened.calibration,
+                            options.training.threads);
   opened.frames = learning::FramesByLine(STDIN_FILENO);
   return opened;
 }
@@ -238,6 +245,7 @@ class LiveRun {
       if (const auto* frame = std::get_if<ArrivedFrame>(&*arrival)) {
         const absl::Status learnt = Take(*frame);
         if (!learnt.ok()) feed.CountUnreadable(learnt);
+        if (!poses_status_.ok()) return Refuse();
       } else {
         Correct(std::get<learning::PoseCorrection>(*arrival));
       }
@@ -277,6 +285,16 @@ class LiveRun {
              base::SecondsBetween(feed.last_arrival(), clock_.Now()));
     corrected_ = 0;
     return absl::OkStatus();
+  }
+
+  // Poses that are meant otherwise: what was learnt with them answers nothing.
+  absl::Status Refuse() {
+    display_.Clear();
+    stop_trials_.request_stop();
+    background_.Wait();
+    std::error_code none;  // a model may not have been written yet
+    std::filesystem::remove(path_, none);
+    return poses_status_;
   }
 
   // The complete model, after poses were corrected once more.
@@ -321,6 +339,11 @@ class LiveRun {
                             absl::StrCat("depth of ", arrived.name));
     }
     frame.depth = *std::move(depth);
+    if (source_.pose_watch) {
+      poses_status_ =
+          source_.pose_watch->Add(*frame.depth, arrived.world_from_sensor);
+      if (!poses_status_.ok()) return absl::OkStatus();
+    }
     TL_ASSIGN_OR_RETURN(
         std::optional<training::LiveTrials> trials,
         learner_->Add(arrived.name, frame, arrived.world_from_sensor));
@@ -472,6 +495,7 @@ class LiveRun {
   base::MonotonicTime last_published_;
   double model_took_s_ = 0;
   bool is_complete_ = false;
+  absl::Status poses_status_;
   // Frames by the names of their colour pictures, where poses are corrected;
   // and how many were, since the complete model was written.
   std::unordered_map<std::string, int> numbers_;

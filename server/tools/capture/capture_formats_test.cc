@@ -38,8 +38,12 @@ absl::StatusOr<TransformsJson> Parse(const std::string& frames,
   return ParseTransforms(
       absl::StrCat(R"({"fl_x":500,"w":640,"h":480,)", members, R"("frames":[)",
                    frames, "]}"),
-      "transforms.json", [](const std::string& /*path*/) {
+      "transforms.json",
+      [](const std::string& /*path*/) {
         return absl::StatusOr<image::ImageSize>(image::ImageSize{640, 480});
+      },
+      [](const std::string& path) {
+        return path == "images/a.jpg" || path == "depth/a.png";
       });
 }
 
@@ -91,9 +95,11 @@ TEST(TransformsTest, FisheyeAndFieldOfView) {
   const auto angle = ParseTransforms(
       absl::StrCat(R"({"camera_angle_x":1.5707963267948966,"frames":[)",
                    FrameJson(R"("file_path":"a")"), "]}"),
-      "transforms.json", [](const std::string& /*path*/) {
+      "transforms.json",
+      [](const std::string& /*path*/) {
         return absl::StatusOr<image::ImageSize>(image::ImageSize{800, 600});
-      });
+      },
+      nullptr);
   ASSERT_TRUE(angle.ok()) << angle.status();
   EXPECT_NEAR(angle->frames[0].camera.fx(), 400, 1e-9);
   EXPECT_EQ(angle->frames[0].camera.cx(), 399.5);
@@ -111,16 +117,44 @@ TEST(TransformsTest, ScaleOfLengthsAndUnitOfDepth) {
 }
 
 TEST(TransformsTest, PathsStayInTheFolder) {
-  for (const char* path : {"../../etc/passwd", "/etc/passwd", "a/../../b.jpg",
-                           "", "./", "a\\u0000.jpg", "..\\\\b.jpg"}) {
+  for (const char* path :
+       {"../../etc/passwd", "/etc/passwd", "a/../../b.jpg", "..\\\\b.jpg",
+        "C:\\\\b.jpg", "/images/../../a.jpg"}) {
+    const auto parsed =
+        Parse(FrameJson(absl::StrCat(R"("file_path":")", path, "\"")));
+    ASSERT_TRUE(parsed.ok()) << parsed.status();
+    EXPECT_TRUE(parsed->frames.empty()) << path;
+    EXPECT_THAT(parsed->left_out.Lines()[0],
+                HasSubstr("put the JSON file into the folder"))
+        << path;
+  }
+  for (const char* path : {"", "./", "a\\u0000.jpg"}) {
     EXPECT_THAT(
         ErrorOf(FrameJson(absl::StrCat(R"("file_path":")", path, "\""))),
         HasSubstr("transforms.json: frames[0]"))
         << path;
   }
-  EXPECT_THAT(
-      ErrorOf(FrameJson(R"("file_path":"a.jpg","depth_file_path":"../d.png")")),
-      HasSubstr("depth_file_path must be a path within the folder"));
+}
+
+// Written on another machine, and copied here.
+TEST(TransformsTest, PathsThatLeadOutAreFoundInTheFolderByTheirEnds) {
+  for (const char* path :
+       {"/home/ann/scan/images/a.jpg", "C:\\\\scan\\\\images\\\\a.jpg",
+        "../images/a.jpg", "../x/../images/a.jpg"}) {
+    const auto parsed = Parse(FrameJson(
+        absl::StrCat(R"("file_path":")", path,
+                     R"(","depth_file_path":"/home/ann/scan/depth/a.png")")));
+    ASSERT_TRUE(parsed.ok()) << parsed.status();
+    ASSERT_EQ(parsed->frames.size(), 1u) << path;
+    EXPECT_EQ(parsed->frames[0].file_path, "images/a.jpg");
+    EXPECT_EQ(parsed->frames[0].depth_path, "depth/a.png");
+    EXPECT_THAT(parsed->notes, testing::Contains(HasSubstr("2 paths lead")));
+  }
+  const auto without_depth = Parse(
+      FrameJson(R"("file_path":"images/a.jpg","depth_file_path":"/d/b.png")"));
+  ASSERT_TRUE(without_depth.ok()) << without_depth.status();
+  EXPECT_EQ(without_depth->frames[0].depth_path, "");
+  EXPECT_EQ(without_depth->frames[0].missing_depth, "/d/b.png");
 }
 
 TEST(TransformsTest, SaysWhatIsWrongAndWhatToDo) {
@@ -142,8 +176,8 @@ TEST(TransformsTest, SaysWhatIsWrongAndWhatToDo) {
 
 TEST(TransformsTest, NestingIsBounded) {
   const std::string deep(100000, '[');
-  const auto parsed =
-      ParseTransforms(absl::StrCat(R"({"frames":)", deep), "x.json", nullptr);
+  const auto parsed = ParseTransforms(absl::StrCat(R"({"frames":)", deep),
+                                      "x.json", nullptr, nullptr);
   EXPECT_THAT(parsed.status().message(), HasSubstr("nested"));
 }
 
@@ -395,8 +429,8 @@ TEST_F(BrokenCaptureTest, WhatPeopleOftenHaveInsteadIsAdvisedOn) {
     return std::string(
         OpenCapture(folder_.Path(path), "auto", {}).status().message());
   };
-  folder_.Write("a.sens", "x");
-  EXPECT_THAT(advice("a.sens"), HasSubstr("SensReader"));
+  folder_.Write("a.db", "x");
+  EXPECT_THAT(advice("a.db"), HasSubstr("RTAB-Map"));
   folder_.Write("blender/transforms_train.json", "{}");
   EXPECT_THAT(advice("blender"), HasSubstr("blender/transforms_train.json"));
   folder_.Write("unzipped/2fd1a8b0c3/odometry.csv", "x");

@@ -11,9 +11,13 @@
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "server/tools/capture/arkit_json.h"
+#include "server/tools/capture/open3d.h"
 #include "server/tools/capture/record3d.h"
+#include "server/tools/capture/replica.h"
 #include "server/tools/capture/ros_bag.h"
+#include "server/tools/capture/rtabmap.h"
 #include "server/tools/capture/scannet.h"
+#include "server/tools/capture/sens_file.h"
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/transforms_json.h"
 
@@ -31,10 +35,17 @@ constexpr CaptureFormat kFormats[] = {
      IsScannerApp, OpenScannerApp},
     {"scannet", "ScanNet: the folder with color/, depth/, pose/, intrinsic/",
      IsScanNet, OpenScanNet},
+    {"sens", "ScanNet: NAME.sens", IsSens, OpenSens},
+    {"replica", "Replica, NICE-SLAM: the folder with results/ and traj.txt",
+     IsReplica, OpenReplica},
+    {"open3d", "Open3D, reconstructed: color/, depth/, scene/trajectory.log",
+     IsOpen3d, OpenOpen3d},
     {"nerfstudio", "nerfstudio, instant-ngp: transforms.json, or its folder",
      IsTransforms, OpenTransforms},
     {"rosbag", "ROS: NAME.mcap, .db3, .bag, or the folder of ros2 bag record",
      IsRosBag, OpenRosBag},
+    {"rtabmap", "RTAB-Map, of robots and phones: NAME.db", IsRtabmap,
+     OpenRtabmap},
 };
 
 std::string Names() {
@@ -55,10 +66,9 @@ std::string Advice(const std::string& path) {
   if (absl::EndsWith(path, ".zip")) {
     return "Unpack the zip file first, and give the folder";
   }
-  constexpr const char* kSens =
-      "Export the .sens file with ScanNet's SensReader first, and give the "
-      "folder with color, depth, pose and intrinsic";
-  if (absl::EndsWith(path, ".sens")) return kSens;
+  if (absl::EndsWith(path, ".db")) {
+    return "A database of RTAB-Map has tables Node and Data: is it whole?";
+  }
   const std::vector<std::string> names = base::SortedNamesIn(path);
   for (const std::string& name : names) {
     const std::string inside = absl::StrCat(path, "/", name);
@@ -66,10 +76,12 @@ std::string Advice(const std::string& path) {
     if (absl::StartsWith(name, "transforms") && IsTransforms(inside)) {
       return absl::StrCat("Give the file: ", inside);
     }
-    if (FormatOf(inside) != nullptr && !base::IsFile(inside)) {
-      return absl::StrCat("A folder in it is one: ", inside);
+    // Any JSON could be a transforms.json.
+    if (FormatOf(inside) != nullptr && !absl::EndsWith(name, ".json")) {
+      return base::IsFile(inside)
+                 ? absl::StrCat("Give the file: ", inside)
+                 : absl::StrCat("A folder in it is one: ", inside);
     }
-    if (absl::EndsWith(name, ".sens")) return kSens;
     if (name == "EXR_RGBD") {
       return "Record3D's EXR export is not read: export the .r3d file";
     }

@@ -31,7 +31,11 @@ absl::StatusOr<image::DepthImage> DecodeDepth_mm(absl::string_view png,
                                                  double unit_m) {
   TL_ASSIGN_OR_RETURN(image::DepthImage depth,
                       image::DecodeDepthPng(png, unit_m));
-  const double unit_mm = 1000 * unit_m;
+  return ToMillimetres(std::move(depth));
+}
+
+image::DepthImage ToMillimetres(image::DepthImage depth) {
+  const double unit_mm = 1000 * depth.unit_m;
   for (uint16_t& value : depth.values) {
     const double depth_mm =
         image::IsMeasured(value) ? std::round(unit_mm * value) : 0;

@@ -29,6 +29,8 @@ struct DepthRules {
 // A depth map in mm. What is not measured, or does not fit, is 0.
 absl::StatusOr<image::DepthImage> DecodeDepth_mm(absl::string_view png,
                                                  double unit_m);
+// The same depth in mm.
+image::DepthImage ToMillimetres(image::DepthImage depth);
 // Sets depth of less confidence to 0. INVALID_ARGUMENT unless there is a value
 // for each pixel.
 absl::Status KeepConfident(std::span<const uint8_t> confidence, int min_value,

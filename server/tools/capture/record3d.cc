@@ -2,7 +2,6 @@
 
 #include <array>
 #include <bit>
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/folder.h"
 #include "common/base/status_macros.h"
+#include "common/image/millimetres.h"
 #include "server/tools/capture/conventions.h"
 #include "server/tools/capture/json_text.h"
 #include "server/tools/capture/lzfse.h"
@@ -167,11 +167,7 @@ absl::StatusOr<image::DepthImage> DecodeRecord3dDepth(absl::string_view file,
     const uint32_t bits = uint32_t{bytes[i]} | uint32_t{bytes[i + 1]} << 8 |
                           uint32_t{bytes[i + 2]} << 16 |
                           uint32_t{bytes[i + 3]} << 24;
-    const float depth_mm = std::round(1000 * std::bit_cast<float>(bits));
-    // NaN is no measurement either.
-    depth.values.push_back(depth_mm > 0 && depth_mm < 65535
-                               ? static_cast<uint16_t>(depth_mm)
-                               : uint16_t{0});
+    depth.values.push_back(image::MillimetresOf(std::bit_cast<float>(bits)));
   }
   return depth;
 }

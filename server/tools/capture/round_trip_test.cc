@@ -13,7 +13,9 @@
 #include "server/tools/capture/open_capture.h"
 #include "server/tools/capture/recording_writer.h"
 #include "server/tools/capture/testing_captures.h"
+#include "server/tools/capture/testing_datasets.h"
 #include "server/tools/capture/testing_ros_captures.h"
+#include "server/tools/capture/testing_rtabmap.h"
 
 namespace treeline::capture {
 namespace {
@@ -176,17 +178,22 @@ TEST_P(RoundTripTest, AChangedSizeKeepsTheFieldOfView) {
 
 INSTANTIATE_TEST_SUITE_P(
     Formats, RoundTripTest,
-    testing::Values(Case{"nerfstudio", WriteNerfstudio, 12},
-                    Case{"stray", WriteStray, 12},
-                    Case{"stray", WriteStrayVideo, 25},
-                    Case{"record3d", WriteRecord3d, 12},
-                    Case{"polycam", WritePolycam, 12},
-                    Case{"3dscanner", WriteScannerApp, 12},
-                    Case{"scannet", WriteScanNet, 12},
-                    Case{"rosbag", WriteRosMcap, 12, "capture.mcap"},
-                    Case{"rosbag", WriteRosMcapFolder, 12},
-                    Case{"rosbag", WriteRosSqlite, 12},
-                    Case{"rosbag", WriteRos1, 12, "capture.bag"}));
+    testing::Values(
+        Case{"nerfstudio", WriteNerfstudio, 12}, Case{"stray", WriteStray, 12},
+        Case{"stray", WriteStrayVideo, 25}, Case{"record3d", WriteRecord3d, 12},
+        Case{"polycam", WritePolycam, 12},
+        Case{"3dscanner", WriteScannerApp, 12},
+        Case{"scannet", WriteScanNet, 12},
+        Case{"sens", WriteSens, 12, "capture.sens"},
+        Case{"replica", WriteReplica, 12}, Case{"open3d", WriteOpen3d, 12},
+        Case{"rosbag", WriteRosMcap, 12, "capture.mcap"},
+        Case{"rosbag", WriteRosMcapFolder, 12},
+        Case{"rosbag", WriteRosSqlite, 12},
+        Case{"rosbag", WriteRos1, 12, "capture.bag"},
+        Case{"rtabmap", WriteRtabmap, 12, "capture.db"},
+        Case{"rtabmap", WriteOldRtabmap, 12, "capture.db"},
+        Case{"rtabmap", WriteOldestRtabmap, 12, "capture.db"},
+        Case{"rtabmap", WritePhoneRtabmap, 12, "capture.db"}));
 
 }  // namespace
 }  // namespace treeline::capture

@@ -164,8 +164,50 @@ absl::StatusOr<camera::Camera> CameraOf(const Entry& entry,
   return camera;
 }
 
-// A path of the file, relative to its folder, without a leading "./". Programs
-// on Windows write it with backslashes.
+// Paths as they stand in the file, and as they are used.
+class Paths {
+ public:
+  explicit Paths(const IsInFolder& is_in_folder)
+      : is_in_folder_(is_in_folder) {}
+
+  // Relative to the folder of the file; nothing: `path` leads out of it, and no
+  // end of it is in the folder.
+  std::optional<std::string> Inside(absl::string_view path) {
+    if (!dataset::LeadsOutside(path) && !HasDrive(path)) {
+      return std::string(path);
+    }
+    for (size_t slash = path.find('/'); slash != absl::string_view::npos;
+         slash = path.find('/')) {
+      path.remove_prefix(slash + 1);
+      if (path.empty() || dataset::LeadsOutside(path)) continue;
+      if (is_in_folder_(std::string(path))) {
+        ++found_;
+        return std::string(path);
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::string Note() const {
+    if (found_ == 0) return "";
+    return absl::StrCat(found_,
+                        " paths lead out of the folder, as those of another "
+                        "machine do; the files were found in it by the ends of "
+                        "their paths");
+  }
+
+ private:
+  // "C:/..."
+  static bool HasDrive(absl::string_view path) {
+    return path.size() > 2 && path[1] == ':' && path[2] == '/';
+  }
+
+  const IsInFolder& is_in_folder_;
+  int found_ = 0;
+};
+
+// A path of the file, without a leading "./". Programs on Windows write it with
+// backslashes.
 absl::StatusOr<std::string> PathOf(const Json& frame, const char* name,
                                    const std::string& where) {
   const auto found = frame.find(name);
@@ -176,11 +218,9 @@ absl::StatusOr<std::string> PathOf(const Json& frame, const char* name,
   absl::string_view path = written;
   while (absl::ConsumePrefix(&path, "./")) {
   }
-  if (path.empty() || dataset::LeadsOutside(path) ||
-      absl::StrContains(path, '\0')) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        where, ": ", name,
-        " must be a path within the folder of the file, without '..'"));
+  if (path.empty() || absl::StrContains(path, '\0')) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(where, ": ", name, " is no path of a file"));
   }
   return std::string(path);
 }
@@ -215,20 +255,37 @@ absl::StatusOr<double> AppliedScale(const Json& file, const std::string& where,
 // One entry of "frames"; false: it was left out.
 absl::StatusOr<bool> ParseFrame(const Json& file, const Json& json,
                                 const std::string& where, double scale,
-                                const SizeOfPicture& size_of,
+                                const SizeOfPicture& size_of, Paths& paths,
                                 TransformsJson& result) {
   if (!json.is_object()) {
     return absl::InvalidArgumentError(absl::StrCat(where, ": is no object"));
   }
   TransformsFrame frame;
-  TL_ASSIGN_OR_RETURN(frame.file_path, PathOf(json, "file_path", where));
-  if (frame.file_path.empty()) {
+  TL_ASSIGN_OR_RETURN(const std::string file_path,
+                      PathOf(json, "file_path", where));
+  if (file_path.empty()) {
     return absl::InvalidArgumentError(
         absl::StrCat(where, ": has no \"file_path\""));
   }
-  TL_ASSIGN_OR_RETURN(frame.depth_path, PathOf(json, "depth_file_path", where));
-  if (frame.depth_path.empty()) {
-    TL_ASSIGN_OR_RETURN(frame.depth_path, PathOf(json, "depth_path", where));
+  TL_ASSIGN_OR_RETURN(std::string depth_path,
+                      PathOf(json, "depth_file_path", where));
+  if (depth_path.empty()) {
+    TL_ASSIGN_OR_RETURN(depth_path, PathOf(json, "depth_path", where));
+  }
+  const std::optional<std::string> inside = paths.Inside(file_path);
+  if (!inside) {
+    result.left_out.Add(
+        "file_path leads out of the folder, and nothing with the end of that "
+        "path is in it: put the JSON file into the folder that has the "
+        "pictures, or write paths relative to it",
+        file_path);
+    return false;
+  }
+  frame.file_path = *inside;
+  // One that is not there is said to be missing, by its whole name.
+  if (!depth_path.empty()) {
+    frame.depth_path = paths.Inside(depth_path).value_or("");
+    if (frame.depth_path.empty()) frame.missing_depth = depth_path;
   }
   const auto matrix = MatrixRowsOf(json, "transform_matrix", where);
   if (!matrix.ok()) {
@@ -272,7 +329,8 @@ std::string PictureAt(const std::string& path) {
 
 absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
                                                const std::string& where,
-                                               const SizeOfPicture& size_of) {
+                                               const SizeOfPicture& size_of,
+                                               const IsInFolder& is_in_folder) {
   TL_ASSIGN_OR_RETURN(const Json file, ParseJsonObject(text, where));
   const auto frames = file.find("frames");
   if (frames == file.end() || !frames->is_array() || frames->empty()) {
@@ -288,10 +346,11 @@ absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
     result.notes.push_back(
         "the world stays as applied_transform of the file made it");
   }
+  Paths paths(is_in_folder);
   for (size_t i = 0; i < frames->size(); ++i) {
     TL_RETURN_IF_ERROR(ParseFrame(file, (*frames)[i],
                                   absl::StrCat(where, ": frames[", i, "]"),
-                                  scale, size_of, result)
+                                  scale, size_of, paths, result)
                            .status());
   }
   std::ranges::stable_sort(result.frames, NaturalLess,
@@ -305,6 +364,9 @@ absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
     result.left_out.Add("its file_path is that of another frame", last);
     return true;
   });
+  if (std::string note = paths.Note(); !note.empty()) {
+    result.notes.push_back(std::move(note));
+  }
   return result;
 }
 
@@ -324,9 +386,14 @@ absl::StatusOr<Capture> OpenTransforms(const std::string& path,
                       base::ReadFile(file, uint64_t{128} << 20));
   TL_ASSIGN_OR_RETURN(
       TransformsJson parsed,
-      ParseTransforms(text, file, [&](const std::string& name) {
-        return dataset::ReadPictureSize(PictureAt(in_folder(name)));
-      }));
+      ParseTransforms(
+          text, file,
+          [&](const std::string& name) {
+            return dataset::ReadPictureSize(PictureAt(in_folder(name)));
+          },
+          [&](const std::string& name) {
+            return !PictureAt(in_folder(name)).empty();
+          }));
   TL_ASSIGN_OR_RETURN(const geometry::Rotation3 z_up, ZUpFrom(options.up, "z"));
   Capture capture;
   capture.format = "nerfstudio";
@@ -348,8 +415,10 @@ absl::StatusOr<Capture> OpenTransforms(const std::string& path,
     if (absl::EndsWith(frame.depth_path, ".png")) {
       of_frame.depth = IfFile(in_folder(frame.depth_path));
     }
-    if (of_frame.depth.empty() && !frame.depth_path.empty()) {
-      if (without_depth++ == 0) first_without_depth = frame.depth_path;
+    const std::string& named =
+        frame.depth_path.empty() ? frame.missing_depth : frame.depth_path;
+    if (of_frame.depth.empty() && !named.empty()) {
+      if (without_depth++ == 0) first_without_depth = named;
     }
     files.push_back(std::move(of_frame));
     capture.frames.push_back({frame.file_path, frame.camera,

@@ -38,8 +38,9 @@
 namespace treeline::capture {
 
 struct TransformsFrame {
-  std::string file_path;   // relative to the file's folder, and within it
-  std::string depth_path;  // empty: none
+  std::string file_path;      // relative to the file's folder, and within it
+  std::string depth_path;     // empty: none
+  std::string missing_depth;  // what stands there, where that leads nowhere
   camera::Camera camera;
   geometry::Rigid3 world_from_camera;  // our axes of the camera; m
 };
@@ -55,13 +56,20 @@ struct TransformsJson {
 using SizeOfPicture =
     std::function<absl::StatusOr<image::ImageSize>(const std::string& path)>;
 
+// Whether there is a file at a path relative to the folder, with or without an
+// ending.
+using IsInFolder = std::function<bool(const std::string& path)>;
+
 // INVALID_ARGUMENT, naming `where` and the entry, for what is no such file:
-// no frames, a path that leads out of the folder, a camera model that is not
-// ours, a camera that is none. A frame whose pose is not rigid, or which is
-// there twice, is left out.
+// no frames, a camera model that is not ours, a camera that is none. A frame
+// whose pose is not rigid, or which is there twice, is left out. A path that
+// leads out of the folder, as of another machine, is never followed: it stands
+// for the longest end of it that is in the folder; a frame without one is left
+// out.
 absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
                                                const std::string& where,
-                                               const SizeOfPicture& size_of);
+                                               const SizeOfPicture& size_of,
+                                               const IsInFolder& is_in_folder);
 
 bool IsTransforms(const std::string& path);
 // `path`: the folder of transforms.json, or a JSON file.

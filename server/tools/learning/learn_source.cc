@@ -171,9 +171,18 @@ std::string LeftOutText(const dataset::Dataset& dataset,
       ++without_depth;
     }
   }
-  if (without_pose + without_depth == 0) return "";
-  return absl::StrCat(without_pose, " frames without a pose, ", without_depth,
-                      " without depth, of ", dataset.size());
+  std::string text;
+  if (const auto& missing = dataset.missing_pictures(); missing.count > 0) {
+    absl::StrAppend(&text, missing.count,
+                    missing.count == 1 ? " image whose picture is"
+                                       : " images whose pictures are",
+                    " missing (the first: ", missing.first, ")");
+  }
+  if (without_pose + without_depth == 0) return text;
+  absl::StrAppend(&text, text.empty() ? "" : "; ", without_pose,
+                  " frames without a pose, ", without_depth,
+                  " without depth, of ", dataset.size());
+  return text;
 }
 
 }  // namespace treeline::learning
