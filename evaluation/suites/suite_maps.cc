@@ -147,12 +147,12 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> PlaceForSuite(
   const geometry::Rigid3 world_from_map = {
       .rotation = geometry::Rotation3::FromAxisAngle({0, 0, start.yaw_rad}),
       .translation = {start.position.x, start.position.y, start.height_m}};
-  TL_ASSIGN_OR_RETURN(std::shared_ptr<const SuitePlace> place,
-                      SuitePlace::Make(std::move(world),
-                                       {.voxels = std::move(bundle.voxels),
-                                        .levels = std::move(bundle.levels)},
-                                       world_from_map.Inverse(),
-                                       options.robot_radius_m));
+  TL_ASSIGN_OR_RETURN(
+      std::shared_ptr<const SuitePlace> place,
+      SuitePlace::Make(std::move(world),
+                       {.voxels = std::move(bundle.voxels),
+                        .levels = std::move(bundle.levels)},
+                       world_from_map.Inverse(), options.robot_radius_m));
   std::printf("The map of %s has %.1f %% of the places in it.\n",
               options.world.c_str(), 100 * place->MappedShare());
   return place;

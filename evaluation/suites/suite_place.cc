@@ -288,8 +288,8 @@ std::optional<double> SuitePlace::PathLength_m(
         const worlds::GroundCellIndex& cell =
             places_[static_cast<size_t>(next)];
         const geometry::Vec2 center = CenterOf(cell);
-        if (IsBarred({center.x, center.y, truth_.at(cell).height_m},
-                     barriers, robot_radius_m_)) {
+        if (IsBarred({center.x, center.y, truth_.at(cell).height_m}, barriers,
+                     robot_radius_m_)) {
           continue;
         }
         way_m[static_cast<size_t>(next)] = there_m;

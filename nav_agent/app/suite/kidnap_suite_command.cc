@@ -166,17 +166,16 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   suites::Suite<kidnaps::KidnapRun> suite;
   suite.name = "kidnaps";
   suite.jobs = suites::JobsOf(flags.suite.worlds, seeds);
-  TL_ASSIGN_OR_RETURN(const suites::SuitePlaces places,
-                      suites::PrepareSuite(
-                          suite.jobs, flags.suite,
-                          [&](const std::string& world) {
-                            suites::SuiteMapOptions map =
-                                MapOptionsOf(flags, world);
-                            map.robot_radius_m =
-                                suites::PlaceRadius_m(options.robot->model);
-                            return map;
-                          },
-                          stop));
+  TL_ASSIGN_OR_RETURN(
+      const suites::SuitePlaces places,
+      suites::PrepareSuite(
+          suite.jobs, flags.suite,
+          [&](const std::string& world) {
+            suites::SuiteMapOptions map = MapOptionsOf(flags, world);
+            map.robot_radius_m = suites::PlaceRadius_m(options.robot->model);
+            return map;
+          },
+          stop));
   TL_ASSIGN_OR_RETURN(const Asked asked, StartServer(flags, stop));
   options.server = asked.connection;
   const int expected = static_cast<int>(suite.jobs.size());
