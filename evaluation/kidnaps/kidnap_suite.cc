@@ -121,6 +121,7 @@ class Kidnapping {
     suites::SuiteRobotOptions robot;
     robot.start = route_.start;
     robot.seed = options_.seed;
+    robot.robot = options_.robot;
     robot.camera_hz = options_.camera_hz;
     robot.has_rear_laser = options_.has_rear_laser;
     robot.navigator = options_.navigator;

@@ -41,6 +41,8 @@ const char* KidnapOutcomeName(KidnapOutcome outcome);
 struct KidnapOptions {
   uint64_t seed = 0;
   double camera_hz = 5;
+  // nullopt: the default robot.
+  std::optional<core::RobotDescription> robot = std::nullopt;
   bool has_rear_laser = true;
   // Obstacles are taken from depth pictures too, which are small then; false:
   // pictures are rendered in full, for questions and checks alone.

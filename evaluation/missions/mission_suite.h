@@ -40,6 +40,8 @@ struct MissionOptions {
   // From start to goal, at least (m).
   double min_way_m = 4;
   double camera_hz = 0;
+  // nullopt: the default robot.
+  std::optional<core::RobotDescription> robot = std::nullopt;
   bool has_rear_laser = true;
   behavior::NavigatorOptions navigator;
 };

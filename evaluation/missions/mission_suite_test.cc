@@ -57,6 +57,38 @@ TEST(SuitePlaceTest, KnowsWaysOverTheSlopeAndAroundBarriers) {
   EXPECT_FALSE(place->InMap({.position = {40, 1}}).ok());
 }
 
+TEST(SuitePlaceTest, ASmallerRobotGetsToMorePlaces) {
+  EXPECT_EQ(suites::PlaceRadius_m(core::RobotModel()),
+            suites::kDefaultRobotRadius_m);
+  const core::RobotDescription small = *core::ReadRobot("turtlebot3");
+  const double radius_m = suites::PlaceRadius_m(small.model);
+  EXPECT_GE(radius_m, small.model.Circumradius_m());
+  EXPECT_LT(radius_m, 0.2);
+  // 0.35 m from a wall.
+  const simulator::RobotPlacement middle = {.position = {1.6, 3.8}};
+  const simulator::RobotPlacement beside = {.position = {0.35, 3.8}};
+  EXPECT_FALSE(Cafe(false)->PathLength_m(middle, beside).has_value());
+  const auto place = suites::SuitePlace::MakePerfect(
+      *worlds::MakeWorld("cafe",
+                         {.with_people = false, .threads = 1, .paint = false}),
+      radius_m);
+  ASSERT_TRUE(place.ok()) << place.status();
+  EXPECT_TRUE((*place)->PathLength_m(middle, beside).has_value());
+}
+
+// One laser, which turns five times a second and reaches 3.5 m.
+TEST(MissionSuite, ASmallRobotWithASlowLaserArrives) {
+  MissionOptions options;
+  options.seed = 2;
+  options.robot = *core::ReadRobot("turtlebot3");
+  const auto run = RunMission(*Cafe(false), options, {});
+  ASSERT_TRUE(run.ok()) << run.status();
+  EXPECT_TRUE(run->IsGood()) << run->why;
+  // It stands for a moment at most: turns at both ends, and ways on.
+  EXPECT_GT(run->record.final_state.distance_m / run->simulated_s,
+            0.5 * options.robot->model.max_forward_mps);
+}
+
 TEST(SuitePlaceTest, KeepsThePerfectMapOfWhatWasThere) {
   const auto moved = suites::PlaceForSuite(
       {.world = "cafe", .rearranged = {.seed = 1, .share = 0.6}}, {});

@@ -135,20 +135,24 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> PlaceForSuite(
     TL_ASSIGN_OR_RETURN(const worlds::World mapped,
                         worlds::MakeWorld(options.world, {.with_people = false,
                                                           .paint = false}));
-    return SuitePlace::MakePerfect(std::move(world), mapped);
+    return SuitePlace::MakePerfect(std::move(world), mapped,
+                                   options.robot_radius_m);
   }
-  if (!options.is_driven) return SuitePlace::MakePerfect(std::move(world));
+  if (!options.is_driven) {
+    return SuitePlace::MakePerfect(std::move(world), options.robot_radius_m);
+  }
   TL_ASSIGN_OR_RETURN(map_bundle::MapBundle bundle, BundleOf(options, stop));
   TL_ASSIGN_OR_RETURN(const simulator::RobotPlacement start,
                       DriveStart(options.world));
   const geometry::Rigid3 world_from_map = {
       .rotation = geometry::Rotation3::FromAxisAngle({0, 0, start.yaw_rad}),
       .translation = {start.position.x, start.position.y, start.height_m}};
-  TL_ASSIGN_OR_RETURN(std::shared_ptr<const SuitePlace> place,
-                      SuitePlace::Make(std::move(world),
-                                       {.voxels = std::move(bundle.voxels),
-                                        .levels = std::move(bundle.levels)},
-                                       world_from_map.Inverse()));
+  TL_ASSIGN_OR_RETURN(
+      std::shared_ptr<const SuitePlace> place,
+      SuitePlace::Make(std::move(world),
+                       {.voxels = std::move(bundle.voxels),
+                        .levels = std::move(bundle.levels)},
+                       world_from_map.Inverse(), options.robot_radius_m));
   std::printf("The map of %s has %.1f %% of the places in it.\n",
               options.world.c_str(), 100 * place->MappedShare());
   return place;

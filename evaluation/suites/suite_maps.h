@@ -24,6 +24,9 @@ struct SuiteMapOptions {
   building::Lighting lighting = building::Lighting::kDay;
   // In which the mapping drive sees the world, and so what models learn.
   building::Lighting map_lighting = building::Lighting::kDay;
+  // Of the circle that holds the robot (m): places have room for it. A mapping
+  // drive is the default robot's all the same.
+  double robot_radius_m = kDefaultRobotRadius_m;
   // Whether surfaces have their pictures: for cameras.
   bool paint = false;
   // Driven maps are kept in CACHE/SCENE/bundle.

@@ -19,6 +19,8 @@ struct SuiteOptions {
   // "perfect" or "driven".
   std::string maps;
   std::string cache = "out/suite";
+  // rmp100, jackal, turtlebot3, or a file (docs/reference/robots.md).
+  std::string robot = "rmp100";
   bool no_rear_laser = false;
   int threads = 0;
   // Share of good runs (0 to 1) below which the suite fails.

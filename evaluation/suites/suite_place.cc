@@ -16,9 +16,6 @@
 namespace treeline::suites {
 namespace {
 
-constexpr double kResolution_m = 0.05;
-// The circle that holds the footprint, and 2 cm.
-constexpr double kRobotRadius_m = 0.45;
 // As steep as a robot may stand on, less what Eq. 6.2 can be wrong by.
 constexpr double kMaxSlope_rad = 0.175;
 // Who walks needs less room.
@@ -32,23 +29,24 @@ worlds::Float3 GroundPoint(const simulator::RobotPlacement& placement) {
 }
 
 geometry::Vec2 CenterOf(const worlds::GroundCellIndex& cell) {
-  return {(cell.x + 0.5) * kResolution_m, (cell.y + 0.5) * kResolution_m};
+  return {(cell.x + 0.5) * kPlaceCell_m, (cell.y + 0.5) * kPlaceCell_m};
 }
 
 absl::StatusOr<behavior::NavigatorMap> PerfectMapOf(
     const worlds::World& world) {
   behavior::NavigatorMap map;
-  TL_ASSIGN_OR_RETURN(map.voxels, runs::VoxelsOfWorld(world, kResolution_m));
+  TL_ASSIGN_OR_RETURN(map.voxels, runs::VoxelsOfWorld(world, kPlaceCell_m));
   TL_ASSIGN_OR_RETURN(map.levels,
                       traversability::ExtractTraversableMap(map.voxels));
   return map;
 }
 
-bool IsBarred(geometry::Vec3 point, const std::vector<Barrier>& barriers) {
+bool IsBarred(geometry::Vec3 point, const std::vector<Barrier>& barriers,
+              double robot_radius_m) {
   return std::ranges::any_of(barriers, [&](const Barrier& barrier) {
     return std::abs(barrier.center.z - point.z) < 1 &&
            std::hypot(barrier.center.x - point.x, barrier.center.y - point.y) <
-               barrier.radius_m + kRobotRadius_m;
+               barrier.radius_m + robot_radius_m;
   });
 }
 
@@ -62,37 +60,39 @@ simulator::RobotPlacement PlacementOf(const geometry::Rigid3& world_from_base) {
 }
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::MakePerfect(
-    worlds::World world) {
+    worlds::World world, double robot_radius_m) {
   TL_ASSIGN_OR_RETURN(behavior::NavigatorMap map, PerfectMapOf(world));
   return Make(std::move(world), std::move(map), geometry::Rigid3{},
-              /*is_driven=*/false);
+              robot_radius_m, /*is_driven=*/false);
 }
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::MakePerfect(
-    worlds::World world, const worlds::World& mapped) {
+    worlds::World world, const worlds::World& mapped, double robot_radius_m) {
   TL_ASSIGN_OR_RETURN(behavior::NavigatorMap map, PerfectMapOf(mapped));
-  return Make(std::move(world), std::move(map), geometry::Rigid3{});
+  return Make(std::move(world), std::move(map), geometry::Rigid3{},
+              robot_radius_m);
 }
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
     worlds::World world, behavior::NavigatorMap map,
-    const geometry::Rigid3& map_from_world) {
-  return Make(std::move(world), std::move(map), map_from_world,
+    const geometry::Rigid3& map_from_world, double robot_radius_m) {
+  return Make(std::move(world), std::move(map), map_from_world, robot_radius_m,
               /*is_driven=*/true);
 }
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
     worlds::World world, behavior::NavigatorMap map,
-    const geometry::Rigid3& map_from_world, bool is_driven) {
+    const geometry::Rigid3& map_from_world, double robot_radius_m,
+    bool is_driven) {
   TL_ASSIGN_OR_RETURN(traversability::NavigationMap ground,
                       traversability::NavigationMap::Make(map.levels));
   TL_ASSIGN_OR_RETURN(
       worlds::GroundTruth truth,
-      worlds::GroundTruth::Compute(world, {.resolution_m = kResolution_m,
+      worlds::GroundTruth::Compute(world, {.resolution_m = kPlaceCell_m,
                                            .max_slope_rad = kMaxSlope_rad}));
   std::shared_ptr<SuitePlace> place(
       new SuitePlace(std::move(world), std::move(map), std::move(ground),
-                     std::move(truth), map_from_world));
+                     std::move(truth), map_from_world, robot_radius_m));
   place->FindPlaces();
   if (is_driven) place->KeepMappedPlaces();
   if (place->places_.empty()) {
@@ -109,7 +109,7 @@ void SuitePlace::FindPlaces() {
   worlds::GroundTruth::Reach reach;
   for (const worlds::Float3& corner : world_.tour) {
     worlds::GroundTruth::Reach from =
-        truth_.ReachableFrom(corner, kRobotRadius_m);
+        truth_.ReachableFrom(corner, robot_radius_m_);
     if (from.count() > reach.count()) reach = std::move(from);
     if (2 * reach.count() > static_cast<size_t>(truth_.width()) *
                                 static_cast<size_t>(truth_.height()) / 8) {
@@ -154,7 +154,7 @@ void SuitePlace::KeepMappedPlaces() {
   for (const worlds::GroundCellIndex& cell : places_) {
     const absl::StatusOr<core::LevelPose> pose = InMap(
         {.position = CenterOf(cell), .height_m = truth_.at(cell).height_m});
-    if (pose.ok() && ClearanceInMap_m(*pose) >= kRobotRadius_m) {
+    if (pose.ok() && ClearanceInMap_m(*pose) >= robot_radius_m_) {
       mapped.push_back(cell);
     }
   }
@@ -223,8 +223,8 @@ std::optional<simulator::RobotPlacement> SuitePlace::AnyPlaceNear(
 }
 
 int SuitePlace::NodeAt(geometry::Vec3 point) const {
-  const int x = static_cast<int>(std::floor(point.x / kResolution_m));
-  const int y = static_cast<int>(std::floor(point.y / kResolution_m));
+  const int x = static_cast<int>(std::floor(point.x / kPlaceCell_m));
+  const int y = static_cast<int>(std::floor(point.y / kPlaceCell_m));
   if (x < 0 || y < 0 || x >= truth_.width() || y >= truth_.height()) return -1;
   int best = -1;
   double best_m = 0.3;
@@ -283,13 +283,13 @@ std::optional<double> SuitePlace::PathLength_m(
         if (dx == 0 && dy == 0) continue;
         const int next = NeighbourOf(node, dx, dy);
         if (next < 0) continue;
-        const double there_m = here_m + kResolution_m * std::hypot(dx, dy);
+        const double there_m = here_m + kPlaceCell_m * std::hypot(dx, dy);
         if (there_m >= way_m[static_cast<size_t>(next)]) continue;
         const worlds::GroundCellIndex& cell =
             places_[static_cast<size_t>(next)];
         const geometry::Vec2 center = CenterOf(cell);
-        if (IsBarred({center.x, center.y, truth_.at(cell).height_m},
-                     barriers)) {
+        if (IsBarred({center.x, center.y, truth_.at(cell).height_m}, barriers,
+                     robot_radius_m_)) {
           continue;
         }
         way_m[static_cast<size_t>(next)] = there_m;

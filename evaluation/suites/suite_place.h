@@ -19,6 +19,11 @@
 
 namespace treeline::suites {
 
+// Of the grid of places.
+inline constexpr double kPlaceCell_m = 0.05;
+// PlaceRadius_m of the default robot.
+inline constexpr double kDefaultRobotRadius_m = 0.45;
+
 // A robot has arrived, or knows where it is, up to these.
 inline constexpr double kRightWithin_m = 0.5;
 inline constexpr double kRightWithin_deg = 20;
@@ -42,23 +47,26 @@ struct Barrier {
   double radius_m = 0;
 };
 
-// Immutable and thread-safe.
+// Immutable and thread-safe. `robot_radius_m` of what makes one is that of a
+// circle that holds the robot.
 class SuitePlace {
  public:
   // What VoxelsOfWorld knows of it; the map's frame is the world's. Errors of
   // VoxelsOfWorld, GroundTruth and NavigationMap; FAILED_PRECONDITION if the
   // world has no tour with room for the robot.
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> MakePerfect(
-      worlds::World world);
+      worlds::World world, double robot_radius_m = kDefaultRobotRadius_m);
   // The same with the map of another state of that world, as Make.
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> MakePerfect(
-      worlds::World world, const worlds::World& mapped);
+      worlds::World world, const worlds::World& mapped,
+      double robot_radius_m = kDefaultRobotRadius_m);
   // The map of a bundle; map_from_world: where its drive began. Places are
   // those that the map has, too, with as much room: nobody sends a robot to
   // where its map has nothing. MappedShare() says how many those are.
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> Make(
       worlds::World world, behavior::NavigatorMap map,
-      const geometry::Rigid3& map_from_world);
+      const geometry::Rigid3& map_from_world,
+      double robot_radius_m = kDefaultRobotRadius_m);
 
   // As it stands, people included.
   const worlds::World& world() const { return world_; }
@@ -104,15 +112,17 @@ class SuitePlace {
  private:
   SuitePlace(worlds::World world, behavior::NavigatorMap map,
              traversability::NavigationMap ground, worlds::GroundTruth truth,
-             const geometry::Rigid3& map_from_world)
+             const geometry::Rigid3& map_from_world, double robot_radius_m)
       : world_(std::move(world)),
         map_(std::move(map)),
         ground_(std::move(ground)),
         truth_(std::move(truth)),
-        map_from_world_(map_from_world) {}
+        map_from_world_(map_from_world),
+        robot_radius_m_(robot_radius_m) {}
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> Make(
       worlds::World world, behavior::NavigatorMap map,
-      const geometry::Rigid3& map_from_world, bool is_driven);
+      const geometry::Rigid3& map_from_world, double robot_radius_m,
+      bool is_driven);
   void FindPlaces();
   void SetPlaces(std::vector<worlds::GroundCellIndex> places);
   // Leaves the places that the map has and that hang together there.
@@ -130,6 +140,8 @@ class SuitePlace {
   traversability::NavigationMap ground_;
   worlds::GroundTruth truth_;
   geometry::Rigid3 map_from_world_;
+  // Of the round robot that there must be room for.
+  double robot_radius_m_;
   double mapped_share_ = 1;
   bool has_several_heights_ = false;
   // Cells with room for the robot, and which of them each cell of each level

@@ -20,6 +20,10 @@ constexpr int kWarmUpSteps = 8;
 
 }  // namespace
 
+double PlaceRadius_m(const core::RobotModel& robot) {
+  return std::ceil(robot.Circumradius_m() / kPlaceCell_m) * kPlaceCell_m;
+}
+
 void StepTimes::Add(double step_ms) {
   ++steps;
   total_ms += step_ms;
@@ -91,7 +95,16 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   simulator::SimulatorOptions simulation;
   simulation.seed = options.seed;
   simulation.start = options.start;
-  simulation.sensors.has_rear_laser = options.has_rear_laser;
+  simulation.sensors.has_rear_laser = true;
+  if (options.robot.has_value()) {
+    simulation.robot = options.robot->model;
+    simulation.sensors.UseLasers(options.robot->lasers);
+    if (options.robot->noise.has_value()) {
+      simulation.errors.UseNoise(*options.robot->noise,
+                                 options.robot->model.wheel_track_m);
+    }
+  }
+  if (!options.has_rear_laser) simulation.sensors.has_rear_laser = false;
   simulation.sensors.camera_hz = options.camera_hz;
   simulation.sensors.camera_scale = options.camera_scale;
   simulation.sensors.camera_is_lit = options.camera_is_lit;

@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "evaluation/suites/suite_place.h"
+#include "nav_agent/core/robot_file.h"
 #include "simulation/runs/simulation_run.h"
 
 namespace treeline::suites {
@@ -20,12 +21,17 @@ inline constexpr simulator::SimTime kSuiteStep = std::chrono::milliseconds(25);
 // A plan is handed over so many steps after it was begun, 0.2 s.
 inline constexpr int kSuitePlanSteps = 8;
 
+// The circle that holds a robot's footprint, in whole cells of places.
+double PlaceRadius_m(const core::RobotModel& robot);
+
 struct SuiteRobotOptions {
   simulator::RobotPlacement start;
   uint64_t seed = 0;
+  // Measures, speeds, lasers and noise; nullopt: the default robot's.
+  std::optional<core::RobotDescription> robot = std::nullopt;
   // RGB-D frames in a second; 0: there is no camera.
   double camera_hz = 0;
-  // Whether a laser looks back.
+  // Whether a laser looks back, of a robot that has one.
   bool has_rear_laser = true;
   // Of its pictures: see SensorOptions.
   double camera_scale = 1;

@@ -205,9 +205,9 @@ std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
   std::optional<control::ControlPose> pose =
       ControlPoseOf(parts_.tracker->Motion());
   const RelocalizationState lost = parts_.lost->state();
-  const bool may_suppose =
-      lost != RelocalizationState::kSearching || held_.MaySuppose(now_);
-  if (pose.has_value() && place.has_value() && may_suppose) {
+  if (!pose.has_value() || !place.has_value()) return pose;
+  if (lost != RelocalizationState::kSearching || IsOnlyPlace(*place) ||
+      held_.MaySuppose(now_)) {
     pose->supposed = SupposedPlaces(*place, lost);
   }
   return pose;

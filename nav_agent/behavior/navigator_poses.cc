@@ -104,4 +104,9 @@ std::vector<core::LevelPose> SupposedPlaces(
   return places;
 }
 
+bool IsOnlyPlace(const localization::TrackedPose& pose) {
+  return !pose.is_searching && !pose.in_doubt &&
+         pose.place_share > 1 - kSupposedShare;
+}
+
 }  // namespace treeline::behavior

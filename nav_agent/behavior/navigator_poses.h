@@ -50,6 +50,8 @@ std::optional<control::ControlPose> ControlPoseOf(
 // left, the likeliest first.
 std::vector<core::LevelPose> SupposedPlaces(
     const localization::TrackedPose& pose, RelocalizationState state);
+// Nothing else is left: what the map has there is no supposition any more.
+bool IsOnlyPlace(const localization::TrackedPose& pose);
 
 }  // namespace treeline::behavior
 

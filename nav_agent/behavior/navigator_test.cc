@@ -462,6 +462,24 @@ TEST_F(NavigatorTest, InDoubtItKeepsAwayFromWhatAnyPlaceHasAndTheGoalWaits) {
   EXPECT_EQ(controller->path.back().map_from_base.translation.x, 7);
 }
 
+// An edge that no sensor sees stays where the map has it, however long it holds
+// a robot of which only one place is left.
+TEST_F(NavigatorTest, OnlyPlacesAmongOthersAreGivenUpWhereTheyHoldIt) {
+  MakePlaced();
+  Send({PoseAtPoint(7, 2)});
+  Run(0.1);
+  lost->now_state = RelocalizationState::kSearching;
+  lost->wanted = {.forward_mps = 0.1, .yaw_rate_radps = 0};
+  controller->guard_stops = true;
+  tracker->place_share = 1;
+  Run(2 * kSearchHeld_s);
+  ASSERT_EQ(controller->last_guarded->supposed.size(), 1u);
+  tracker->place_share = 0.5;
+  tracker->others = {{.pose = PoseAtPoint(8, 3), .share = 0.5}};
+  Run(2 * kSearchHeld_s);
+  EXPECT_TRUE(controller->last_guarded->supposed.empty());
+}
+
 TEST_F(NavigatorTest, APersonMayAskItToFindItself) {
   MakePlaced();
   navigator->FindYourself();

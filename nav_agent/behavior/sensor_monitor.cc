@@ -10,6 +10,7 @@
 #include "common/base/clock.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/parameters.h"
+#include "nav_agent/control/scan_age.h"
 
 namespace treeline::behavior {
 namespace {
@@ -95,13 +96,9 @@ bool AcceptStamp(base::MonotonicTime stamp, base::MonotonicTime now,
 }
 
 double LaserWatch::Timeout_s() const {
-  // A scan is as old as it took to measure when it comes, and the next one
-  // comes as much later.
-  constexpr double kScans = 2.5;
   constexpr double kLongest_s = 5;
-  return std::max(
-      options_->laser_timeout_s,
-      std::min(kScans * laser_->Info().scan_interval_s, kLongest_s));
+  return std::max(options_->laser_timeout_s,
+                  std::min(control::OldestScan_s(laser_->Info()), kLongest_s));
 }
 
 void LaserWatch::Poll(base::MonotonicTime now, double moved) {

@@ -10,6 +10,8 @@ namespace treeline::control {
 
 // Speeds and accelerations within the robot's, from the last command on
 // (LimitedVelocity). One that must stop brakes along its arc (LimitedTogether).
+// A turn is begun faster than a drive, so an arc begins as a tighter one: what
+// would keep to the arc is said, too.
 class AccelerationRegulator final : public VelocityRegulator {
  public:
   explicit AccelerationRegulator(const core::RobotModel& robot)
@@ -18,10 +20,17 @@ class AccelerationRegulator final : public VelocityRegulator {
   const char* name() const override { return "acceleration"; }
   void Regulate(const RegulatorInput& input,
                 RegulatedVelocity& regulated) override {
-    const auto limited =
-        regulated.must_stop ? &LimitedTogether : &LimitedVelocity;
-    regulated.velocity = limited(input.start.velocity, regulated.velocity,
-                                 input.start.interval_s, robot_);
+    const core::VelocityCommand together =
+        LimitedTogether(input.start.velocity, regulated.velocity,
+                        input.start.interval_s, robot_);
+    if (regulated.must_stop) {
+      regulated.velocity = together;
+      return;
+    }
+    regulated.along_arc = together;
+    regulated.velocity =
+        LimitedVelocity(input.start.velocity, regulated.velocity,
+                        input.start.interval_s, robot_);
   }
 
  private:

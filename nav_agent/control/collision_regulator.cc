@@ -33,7 +33,11 @@ void CollisionRegulator::Regulate(const RegulatorInput& input,
   if (!regulated.must_stop) {
     const GuardVerdict verdict =
         input.guard.Check(regulated.velocity, input.points);
-    if (verdict.is_limited) {
+    // Where there is no room for a tighter arc there may be for the wanted one.
+    if (verdict.is_limited && regulated.along_arc.has_value() &&
+        !input.guard.Check(*regulated.along_arc, input.points).is_limited) {
+      regulated.velocity = *regulated.along_arc;
+    } else if (verdict.is_limited) {
       regulated.velocity =
           LimitedTogether(input.start.velocity, verdict.command,
                           input.start.interval_s, robot_);

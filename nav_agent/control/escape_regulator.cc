@@ -85,6 +85,15 @@ std::optional<core::VelocityCommand> EscapeRegulator::Find(
   return held_;
 }
 
+// A whole move passes what its first centimetres come nearer to.
+bool EscapeRegulator::MayBegin(const RegulatorInput& input,
+                               const core::VelocityCommand& command) const {
+  const core::VelocityCommand first = LimitedTogether(
+      input.start.velocity, command, input.start.interval_s, robot_);
+  return !input.guard.Check(command, input.points).is_limited &&
+         !input.guard.Check(first, input.points).is_limited;
+}
+
 std::optional<core::VelocityCommand> EscapeRegulator::Best(
     const RegulatorInput& input) const {
   const geometry::Vec2 target = TargetOn(input.track);
@@ -96,7 +105,7 @@ std::optional<core::VelocityCommand> EscapeRegulator::Best(
       const core::VelocityCommand command = {.forward_mps = speed,
                                              .yaw_rate_radps = yaw_rate};
       if (speed == 0 && yaw_rate == 0) continue;
-      if (input.guard.Check(command, input.points).is_limited) continue;
+      if (!MayBegin(input, command)) continue;
       for (const double ahead_s : kAhead_s) {
         const double price = PriceOf(MotionIn(ahead_s, command), input, target);
         if (price >= best_price) continue;

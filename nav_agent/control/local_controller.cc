@@ -19,6 +19,7 @@
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/control/manoeuvre_parameters.h"
 #include "nav_agent/control/obstacle_parameters.h"
+#include "nav_agent/control/scan_age.h"
 #include "nav_agent/control/stuck_detector.h"
 #include "nav_agent/control/velocity_limits.h"
 #include "nav_agent/control/velocity_regulators.h"
@@ -181,12 +182,15 @@ void BandController::TrackDynamicObstacles(const ControlPose& pose,
 }
 
 bool BandController::Sees(base::MonotonicTime now) const {
-  const auto sees = [&](core::LaserMount mount) {
+  const auto sees = [&](core::LaserMount mount,
+                        const core::RangeSensorInfo& laser) {
     const std::optional<base::MonotonicTime> last = costmap_.last_scan(mount);
-    return last.has_value() && base::SecondsBetween(*last, now) < kLately_s;
+    return last.has_value() && base::SecondsBetween(*last, now) <
+                                   std::max(kLately_s, OldestScan_s(laser));
   };
-  return sees(core::LaserMount::kFront) &&
-         (!lasers_.rear.has_value() || sees(core::LaserMount::kRear));
+  return sees(core::LaserMount::kFront, lasers_.front) &&
+         (!lasers_.rear.has_value() ||
+          sees(core::LaserMount::kRear, *lasers_.rear));
 }
 
 RegulatorInput BandController::InputAt(

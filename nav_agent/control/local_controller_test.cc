@@ -262,6 +262,46 @@ TEST(LocalController, ARearLaserThatIsSilentStopsIt) {
   EXPECT_EQ(pose.forward_mps, 0);
 }
 
+// Of a laser that turns five times a second a scan is 0.2 s old when it comes,
+// and 0.4 s when the next one does.
+TEST(LocalController, ASlowLaserDoesNotMakeItStandBetweenScans) {
+  core::RangeSensorInfo slow = TestingLaser();
+  slow.scan_interval_s = 0.2;
+  const auto controller = *LocalController::Make(
+      TestingFloor().Map(), core::RobotModel(), {.front = slow}, {});
+  ControlPose pose = TestingPose(3, 6);
+  core::LevelPose goal;
+  goal.map_from_base.translation = {9, 6};
+  controller->SetPath({pose.pose, goal});
+  constexpr int kStepsAScan = 8;
+  ControlPose then = pose;
+  double slowest_mps = 1;
+  const auto step = [&](int i) {
+    pose.stamp += std::chrono::milliseconds(25);
+    if (i % kStepsAScan == 0) {
+      EXPECT_TRUE(
+          controller->AddScan(then, TestingScan(then, NothingThere)).ok());
+      then = pose;
+    }
+    const core::VelocityCommand command = controller->Step(pose).command;
+    pose.forward_mps = command.forward_mps;
+    pose.yaw_rate_radps = command.yaw_rate_radps;
+    pose.pose.map_from_base =
+        pose.pose.map_from_base * MotionIn(0.025, command);
+    return command.forward_mps;
+  };
+  int i = 0;
+  for (; i < 120; ++i) step(i);
+  for (; i < 240; ++i) slowest_mps = std::min(slowest_mps, step(i));
+  EXPECT_GT(slowest_mps, 0.4);
+  // It is silent: 2.5 scans later the robot brakes.
+  for (int silent = 0; silent < 60; ++silent) {
+    if (i % kStepsAScan == 0) ++i;
+    slowest_mps = step(i);
+  }
+  EXPECT_EQ(slowest_mps, 0);
+}
+
 TEST(LocalController, ScansOfARearLaserThatIsNotThereAreRefused) {
   Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
   EXPECT_EQ(

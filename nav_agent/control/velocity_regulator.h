@@ -65,6 +65,9 @@ struct RegulatedVelocity {
   // It has to stand, braking along its arc.
   bool must_stop = false;
 
+  // What can be done next of it along its own arc; nullopt: as `velocity`.
+  std::optional<core::VelocityCommand> along_arc = std::nullopt;
+
   // ---- why it is not what was wanted ----
   bool is_limited = false;
   // What forbids it, and whether that moves.

@@ -27,7 +27,7 @@ VelocityRegulators::VelocityRegulators(
       std::make_unique<PursuitRegulator>(
           robot, SpeedProfileOptions{.max_forward_mps = options.max_forward_mps,
                                      .switches = is_on.speed}));
-  add(steering_, is_on.escape, std::make_unique<EscapeRegulator>());
+  add(steering_, is_on.escape, std::make_unique<EscapeRegulator>(robot));
   add(steering_, is_on.rounded_turn,
       std::make_unique<RoundedTurnRegulator>(robot));
   add(stopping_, is_on.wait, std::make_unique<WaitRegulator>());

@@ -227,7 +227,7 @@ TEST(EscapeRegulator, DrivesOnToWhereItMayTurn) {
   const core::VelocityCommand wanted = {.forward_mps = 0,
                                         .yaw_rate_radps = 1.0};
   ASSERT_TRUE(stage.guard().Check({0, 0.35}, stage.points()).is_limited);
-  EscapeRegulator escape;
+  EscapeRegulator escape{core::RobotModel()};
   RegulatedVelocity regulated = Of(wanted);
   escape.Regulate(input, regulated);
   EXPECT_EQ(regulated.velocity, wanted);
@@ -238,6 +238,38 @@ TEST(EscapeRegulator, DrivesOnToWhereItMayTurn) {
   EXPECT_GT(regulated.velocity.forward_mps, 0);
   EXPECT_FALSE(
       stage.guard().Check(regulated.velocity, stage.points()).is_limited);
+}
+
+// A post beside its rear right corner: to the left, where its track leads, it
+// drives past it with a whole arc, but the arc's first centimetre is nearer.
+TEST(EscapeRegulator, TakesNoMoveThatMayNotBegin) {
+  TestingFloor floor;
+  floor.Fill({5.6, 5.6}, {5.7, 5.66}, core::Occupancy::kOccupied);
+  Stage stage(floor);
+  stage.points().push_back({.in_base = {-0.312, -0.358}, .margin_m = 0.06});
+  const core::VelocityCommand arc = {.forward_mps = 0.15,
+                                     .yaw_rate_radps = 0.349};
+  const core::VelocityCommand first =
+      LimitedTogether({}, arc, 0.025, core::RobotModel());
+  ASSERT_FALSE(stage.guard().Check(arc, stage.points()).is_limited);
+  ASSERT_TRUE(stage.guard().Check(first, stage.points()).is_limited);
+  std::vector<TrackPoint> track;
+  for (double s_m = 0; s_m < 1.5; s_m += 0.1) {
+    track.push_back({.in_map = {6 + 0.4 * s_m, 6 + 0.9 * s_m}});
+  }
+  RegulatorInput input = stage.Input();
+  input.track = track;
+  input.should_escape = true;
+  EscapeRegulator escape{core::RobotModel()};
+  RegulatedVelocity regulated = Of({.forward_mps = 0, .yaw_rate_radps = 1.0});
+  escape.Regulate(input, regulated);
+  EXPECT_NE(regulated.velocity, arc);
+  EXPECT_GT(regulated.velocity.forward_mps, 0);
+  EXPECT_FALSE(stage.guard()
+                   .Check(LimitedTogether({}, regulated.velocity, 0.025,
+                                          core::RobotModel()),
+                          stage.points())
+                   .is_limited);
 }
 
 TEST(RoundedTurnRegulator, SweepsNothingBackAmongPeople) {
@@ -365,6 +397,27 @@ TEST(CollisionRegulator, SaysWhatForbidsACommand) {
   collision.Regulate(stage.Input(), regulated);
   EXPECT_EQ(regulated.velocity.forward_mps, -0.1);
   EXPECT_FALSE(regulated.is_limited);
+}
+
+// Turning is accelerated faster, so an arc begins as a tighter one.
+TEST(CollisionRegulator, KeepsToAnArcWhereATighterOneHasNoRoom) {
+  Stage stage;
+  // The right rear corner would swing into it; along the arc it moves away.
+  stage.points().push_back({.in_base = {-0.29, -0.34}, .margin_m = 0.04});
+  AccelerationRegulator acceleration(kRobot);
+  CollisionRegulator collision(kRobot);
+  const RegulatorInput input = stage.Input();
+  RegulatedVelocity regulated =
+      Of({.forward_mps = 0.6, .yaw_rate_radps = 0.05});
+  acceleration.Regulate(input, regulated);
+  ASSERT_TRUE(
+      stage.guard().Check(regulated.velocity, stage.points()).is_limited);
+  collision.Regulate(input, regulated);
+  EXPECT_FALSE(regulated.is_limited);
+  EXPECT_GT(regulated.velocity.forward_mps, 0);
+  EXPECT_NEAR(
+      regulated.velocity.yaw_rate_radps / regulated.velocity.forward_mps,
+      0.05 / 0.6, 1e-9);
 }
 
 TEST(CollisionRegulator, LooksWhetherOneThatWaitsCouldSetOff) {

@@ -56,7 +56,10 @@ absl::StatusOr<octree::VoxelMap> VoxelsOfWorld(const worlds::World& world,
                                                double resolution_m) {
   if (world.tour.empty() || world.surfaces.empty()) {
     return absl::InvalidArgumentError(
-        absl::StrCat("world ", world.name, " has no surfaces or no tour"));
+        absl::StrCat("world ", world.name,
+                     " has no tour for a robot; rooms are for cameras held by "
+                     "hand, and a world file needs 'tour' "
+                     "(docs/reference/world-files.md)"));
   }
   const int width = static_cast<int>(std::ceil(world.size_m.x / resolution_m));
   const int height = static_cast<int>(std::ceil(world.size_m.y / resolution_m));

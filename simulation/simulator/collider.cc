@@ -1,12 +1,13 @@
 #include "simulation/simulator/collider.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 namespace treeline::simulator {
 namespace {
 
-// Half of a foot's box, along and across.
+// Half of a foot's box, along and across, at most.
 constexpr double kFootAlong_m = 0.04;
 constexpr double kFootAcross_m = 0.02;
 // How far the robot moves before what is near is gathered again.
@@ -31,6 +32,15 @@ std::string NameOf(worlds::SurfaceKind kind, bool at_foot) {
   return at_foot ? "low obstacle" : "furniture";
 }
 
+// Half of what a wheel takes up along the ground, as high above it as a step
+// that it climbs: on a slope that rises as high there, a longer foot would hit
+// the ground that it stands on.
+double FootAlong_m(const core::RobotModel& robot) {
+  const double step_m = std::min(robot.max_step_m, robot.wheel_radius_m);
+  return std::min(kFootAlong_m,
+                  std::sqrt(step_m * (2 * robot.wheel_radius_m - step_m)));
+}
+
 }  // namespace
 
 Collider::Collider(const Terrain& terrain, const Stage& stage,
@@ -45,13 +55,15 @@ std::vector<OrientedBox> Collider::BoxesAt(const Stance& stance) const {
       geometry::Vec3{-robot_.rear_m, -robot_.half_width_m,
                      robot_.ground_clearance_m},
       geometry::Vec3{robot_.front_m, robot_.half_width_m, robot_.height_m});
+  const double along_m = FootAlong_m(robot_);
+  const double across_m = std::min(kFootAcross_m, along_m);
   const geometry::Rotation3 yaw =
       geometry::Rotation3::FromAxisAngle({0, 0, stance.yaw_rad});
   for (const geometry::Vec3& contact : stance.contacts) {
     boxes.emplace_back(
         geometry::Rigid3{yaw, contact},
-        geometry::Vec3{-kFootAlong_m, -kFootAcross_m, robot_.max_step_m},
-        geometry::Vec3{kFootAlong_m, kFootAcross_m, robot_.ground_clearance_m});
+        geometry::Vec3{-along_m, -across_m, robot_.max_step_m},
+        geometry::Vec3{along_m, across_m, robot_.ground_clearance_m});
   }
   return boxes;
 }

@@ -15,6 +15,15 @@ constexpr int kPutDownRounds = 8;
 
 size_t Index(int i) { return static_cast<size_t>(i); }
 
+// Casters before and behind the axle. A body that reaches further to one side
+// is carried there, too.
+double FrontCaster_m(const core::RobotModel& robot) {
+  return robot.caster_m + std::max(0.0, robot.front_m - robot.rear_m);
+}
+double RearCaster_m(const core::RobotModel& robot) {
+  return robot.caster_m + std::max(0.0, robot.rear_m - robot.front_m);
+}
+
 }  // namespace
 
 geometry::Rigid3 Stance::WorldFromBase() const {
@@ -33,8 +42,8 @@ Footing::Footing(const Terrain& terrain, const core::RobotModel& robot)
     : terrain_(&terrain),
       feet_in_base_{geometry::Vec2{0, robot.wheel_track_m / 2},
                     geometry::Vec2{0, -robot.wheel_track_m / 2},
-                    geometry::Vec2{robot.caster_m, 0},
-                    geometry::Vec2{-robot.caster_m, 0}},
+                    geometry::Vec2{FrontCaster_m(robot), 0},
+                    geometry::Vec2{-RearCaster_m(robot), 0}},
       max_step_m_(robot.max_step_m) {}
 
 geometry::Vec2 Footing::FootAt(int foot, const Stance& tilted,

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "gtest/gtest.h"
+#include "nav_agent/core/robot_file.h"
 #include "simulation/simulator/testing_simulator.h"
 
 namespace treeline::simulator {
@@ -87,6 +88,23 @@ TEST(Simulator, ClimbsARampAndComesDownAgain) {
   EXPECT_GT(PositionOf(*simulator).x, 11);
   Drive(*simulator, {.yaw_rate_radps = 1}, 4);
   EXPECT_TRUE(simulator->TakeEvents().empty());
+}
+
+// It climbs steps of 5 mm, its wheels are small, and most of it is behind them.
+TEST(Simulator, ASmallRobotDrivesOverBothEndsOfARamp) {
+  for (const double forward_mps : {0.2, -0.2}) {
+    PlaceBuilder place;
+    place.Floor(0, 0, 4, 20, 0)
+        .Ramp(4, 0, 8, 20, 0, 0.5)
+        .Floor(8, 0, 20, 20, 0.5f);
+    SimulatorOptions options =
+        forward_mps > 0 ? StartAt(3.5, 5) : StartAt(8.5, 5, 0, 0.5);
+    options.robot = core::ReadRobot("turtlebot3")->model;
+    const auto simulator = MakeSimulator(place.Build(), options);
+    Drive(*simulator, {.forward_mps = forward_mps}, 26);
+    EXPECT_TRUE(simulator->TakeEvents().empty()) << forward_mps;
+    EXPECT_NEAR(PositionOf(*simulator).z, forward_mps > 0 ? 0.5 : 0, 1e-6);
+  }
 }
 
 TEST(Simulator, StopsAtAWallWithTheFootprintTouchingIt) {

@@ -41,7 +41,9 @@ absl::StatusOr<building::BuildingPlan> FirstConnected(
     TL_ASSIGN_OR_RETURN(const bool is_connected, IsConnected(plan));
     if (is_connected) return plan;
   }
-  return absl::InternalError("no building of this seed is connected");
+  return absl::NotFoundError(
+      absl::StrCat("of this number no building was found in ", kAttempts,
+                   " drafts in which all rooms can be got to; take another"));
 }
 
 }  // namespace

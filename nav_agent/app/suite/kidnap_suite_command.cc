@@ -156,6 +156,7 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
                       suites::ParseSeedList(flags.suite.seeds));
   kidnaps::KidnapOptions options;
   TL_ASSIGN_OR_RETURN(options.navigator.lost.method, MethodOf(flags));
+  TL_ASSIGN_OR_RETURN(options.robot, core::ReadRobot(flags.suite.robot));
   options.drives_on = flags.until == "goal";
   options.has_rear_laser = !flags.suite.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
@@ -165,13 +166,16 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   suites::Suite<kidnaps::KidnapRun> suite;
   suite.name = "kidnaps";
   suite.jobs = suites::JobsOf(flags.suite.worlds, seeds);
-  TL_ASSIGN_OR_RETURN(const suites::SuitePlaces places,
-                      suites::PrepareSuite(
-                          suite.jobs, flags.suite,
-                          [&flags](const std::string& world) {
-                            return MapOptionsOf(flags, world);
-                          },
-                          stop));
+  TL_ASSIGN_OR_RETURN(
+      const suites::SuitePlaces places,
+      suites::PrepareSuite(
+          suite.jobs, flags.suite,
+          [&](const std::string& world) {
+            suites::SuiteMapOptions map = MapOptionsOf(flags, world);
+            map.robot_radius_m = suites::PlaceRadius_m(options.robot->model);
+            return map;
+          },
+          stop));
   TL_ASSIGN_OR_RETURN(const Asked asked, StartServer(flags, stop));
   options.server = asked.connection;
   const int expected = static_cast<int>(suite.jobs.size());
@@ -231,6 +235,7 @@ cli::Command AddKidnapSuite(CLI::App& suite) {
   command->footer(kFooter);
   auto flags = std::make_shared<KidnapFlags>();
   AddSuiteFlags(*command, "kidnap", flags->suite);
+  AddRobotFlag(*command, flags->suite);
   command->add_flag("--people", flags->suite.people, "People walk about");
   worlds::AddLightFlag(*command, "--light",
                        "Light that robots are kidnapped in; otherwise day",

@@ -56,6 +56,7 @@ absl::StatusOr<missions::MissionOptions> MissionOptionsOf(
   options.camera_hz = flags.camera_hz >= 0 ? flags.camera_hz
                       : flags.suite.people ? kPeopleCamera_hz
                                            : 0;
+  TL_ASSIGN_OR_RETURN(options.robot, core::ReadRobot(flags.suite.robot));
   options.has_rear_laser = !flags.suite.no_rear_laser;
   if (!flags.planner.empty()) {
     options.navigator.planner.planner = flags.planner;
@@ -96,8 +97,9 @@ absl::Status RunMissions(const MissionFlags& flags,
   suites::Suite<missions::MissionRun> suite;
   suite.name = "missions";
   TL_ASSIGN_OR_RETURN(suite.jobs, JobsOf(flags));
-  const auto map_options = [&flags](const std::string& world) {
+  const auto map_options = [&](const std::string& world) {
     suites::SuiteMapOptions map = flags.suite.MapOptions(world);
+    map.robot_radius_m = suites::PlaceRadius_m(options.robot->model);
     // Somebody must be there who can step in front.
     map.with_people |= !flags.scenes.empty();
     return map;
@@ -135,6 +137,7 @@ cli::Command AddMissionSuite(CLI::App& suite) {
   command->footer(kFooter);
   auto flags = std::make_shared<MissionFlags>();
   AddSuiteFlags(*command, "mission", flags->suite);
+  AddRobotFlag(*command, flags->suite);
   command->add_flag("--people", flags->suite.people,
                     "People walk about, and something gets in the way");
   command

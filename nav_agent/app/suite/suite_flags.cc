@@ -71,6 +71,15 @@ void AddWorldFlags(CLI::App& command, const std::string& run,
       ->capture_default_str();
 }
 
+void AddRobotFlag(CLI::App& command, suites::SuiteOptions& options) {
+  command
+      .add_option(
+          "--robot", options.robot,
+          "rmp100, jackal, turtlebot3, or a file (docs/reference/robots.md)")
+      ->type_name("ROBOT")
+      ->capture_default_str();
+}
+
 void AddSuiteFlags(CLI::App& command, const std::string& run,
                    suites::SuiteOptions& options) {
   AddRunFlags(command, run, options);

@@ -17,6 +17,9 @@ namespace treeline::suite_app {
 void AddWorldFlags(CLI::App& command, const std::string& run,
                    std::vector<std::string>& worlds, std::string& seeds);
 
+// --robot, of suites whose robot is anybody's.
+void AddRobotFlag(CLI::App& command, suites::SuiteOptions& options);
+
 // All that suites of missions and of kidnaps have in common.
 void AddSuiteFlags(CLI::App& command, const std::string& run,
                    suites::SuiteOptions& options);
