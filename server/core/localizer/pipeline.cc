@@ -174,6 +174,7 @@ bool IsFocalKnown(const Query& query, const FocalEvidence& focal) {
 // it was measured how well they do that.
 bool IsAssumedRightly(const Method& method, const FocalEvidence& focal) {
   return method.focal_sigma_scale &&
+         *method.focal_sigma_scale <= kMaxAssumedSigmaScale &&
          IsGuessConfirmed(focal,
                           kMaxAssumedFocalSigma / *method.focal_sigma_scale);
 }
@@ -353,6 +354,28 @@ absl::Status Pipeline::TryOtherCameras(const image::Frame& frame,
   return absl::OkStatus();
 }
 
+absl::Status Pipeline::AskAgainWithFocal(const image::Frame& frame,
+                                         const camera::RgbdCalibration& assumed,
+                                         const LocalizeOptions& options,
+                                         QueryScratch& scratch,
+                                         Found& found) const {
+  const camera::Camera& learnt = info().calibration.color;
+  TL_ASSIGN_OR_RETURN(const camera::RgbdCalibration corrected,
+                      WithFocal(assumed, found.corrections.focal_scale));
+  if (FeatureReduction(corrected.color, learnt) ==
+      FeatureReduction(assumed.color, learnt)) {
+    return absl::OkStatus();
+  }
+  Query query = Ask(frame, corrected, options, scratch);
+  const double first_scale = found.corrections.focal_scale;
+  found.corrections = {};
+  TL_ASSIGN_OR_RETURN(found.selection, SelectWithAnyCalibration(
+                                           method_, query, found.corrections));
+  found.corrections.focal_scale *= first_scale;
+  Add(query.timings(), found.timings);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<PoseEstimate> Pipeline::Localize(
     const image::Frame& frame, const LocalizeOptions& options) const {
   const base::SteadyClock clock;
@@ -366,6 +389,10 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   Found found;
   TL_ASSIGN_OR_RETURN(found.selection, SelectWithAnyCalibration(
                                            method_, query, found.corrections));
+  if (frame.is_camera_assumed) {
+    TL_RETURN_IF_ERROR(
+        AskAgainWithFocal(frame, calibration, options, *scratch, found));
+  }
   TL_RETURN_IF_ERROR(
       TryOtherCameras(frame, calibration, options, *scratch, found));
   PoseEstimate estimate =

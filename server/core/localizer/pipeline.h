@@ -107,6 +107,12 @@ class Pipeline final : public Localizer {
   // Whether what `query`, of another camera than the stated one, finds is to be
   // believed rather than what was found with that. Adds to its timings.
   absl::StatusOr<bool> IsRather(Query query, Found& stated) const;
+  // Asks anew with the focal length that was found, where features should have
+  // been sought at another resolution than for the one that was assumed.
+  absl::Status AskAgainWithFocal(const image::Frame& frame,
+                                 const camera::RgbdCalibration& assumed,
+                                 const LocalizeOptions& options,
+                                 QueryScratch& scratch, Found& found) const;
   // Puts what was found with one of CentredCameras in the place of `found`,
   // where that is rather to be believed.
   absl::Status TryOtherCameras(const image::Frame& frame,
