@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "common/image/decode.h"
 
 namespace treeline::gateway {
@@ -37,8 +38,9 @@ http::HttpRequest Form(
   http.headers["content-type"] = "multipart/form-data; boundary=b";
   http.body.clear();
   for (const auto& [name, bytes] : parts) {
-    http.body += "--b\r\nContent-Disposition: form-data; name=\"" + name +
-                 "\"\r\n\r\n" + bytes + "\r\n";
+    absl::StrAppend(&http.body,
+                    "--b\r\nContent-Disposition: form-data; name=\"", name,
+                    "\"\r\n\r\n", bytes, "\r\n");
   }
   http.body += "--b--\r\n";
   return http;
