@@ -15,10 +15,14 @@
 namespace treeline::capture {
 namespace {
 
+bool IsDigit(char c) {
+  return absl::ascii_isdigit(static_cast<unsigned char>(c));
+}
+
 // The number at the front of `text`, without leading zeros; taken off it.
 absl::string_view TakeDigits(absl::string_view& text) {
   size_t length = 0;
-  while (length < text.size() && absl::ascii_isdigit(text[length])) ++length;
+  while (length < text.size() && IsDigit(text[length])) ++length;
   absl::string_view digits = text.substr(0, length);
   text.remove_prefix(length);
   while (digits.size() > 1 && digits.front() == '0') digits.remove_prefix(1);
@@ -116,7 +120,7 @@ std::string FindPicture(const std::string& path) {
 
 bool NaturalLess(absl::string_view a, absl::string_view b) {
   while (!a.empty() && !b.empty()) {
-    if (absl::ascii_isdigit(a.front()) && absl::ascii_isdigit(b.front())) {
+    if (IsDigit(a.front()) && IsDigit(b.front())) {
       const absl::string_view x = TakeDigits(a);
       const absl::string_view y = TakeDigits(b);
       if (x.size() != y.size()) return x.size() < y.size();
