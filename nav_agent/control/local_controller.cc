@@ -185,8 +185,9 @@ bool BandController::Sees(base::MonotonicTime now) const {
   const auto sees = [&](core::LaserMount mount,
                         const core::RangeSensorInfo& laser) {
     const std::optional<base::MonotonicTime> last = costmap_.last_scan(mount);
-    return last.has_value() && base::SecondsBetween(*last, now) <
-                                   std::max(kLately_s, OldestScan_s(laser));
+    return last.has_value() &&
+           base::SecondsBetween(*last, now) <
+               std::max<double>(kLately_s, OldestScanToDriveBy_s(laser));
   };
   return sees(core::LaserMount::kFront, lasers_.front) &&
          (!lasers_.rear.has_value() ||

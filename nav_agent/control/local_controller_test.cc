@@ -262,6 +262,35 @@ TEST(LocalController, ARearLaserThatIsSilentStopsIt) {
   EXPECT_EQ(pose.forward_mps, 0);
 }
 
+// Whatever a driver states of its laser.
+TEST(LocalController, DrivesByNoScanThatIsOlderThanASecond) {
+  core::RangeSensorInfo absurd = TestingLaser();
+  absurd.scan_interval_s = 1000;
+  const auto controller = *LocalController::Make(
+      TestingFloor().Map(), core::RobotModel(), {.front = absurd}, {});
+  ControlPose pose = TestingPose(3, 6);
+  core::LevelPose goal;
+  goal.map_from_base.translation = {9, 6};
+  controller->SetPath({pose.pose, goal});
+  ASSERT_TRUE(controller->AddScan(pose, TestingScan(pose, NothingThere)).ok());
+  double fastest_mps = 0;
+  const auto step = [&] {
+    pose.stamp += std::chrono::milliseconds(25);
+    const core::VelocityCommand command = controller->Step(pose).command;
+    pose.forward_mps = command.forward_mps;
+    pose.yaw_rate_radps = command.yaw_rate_radps;
+    pose.pose.map_from_base =
+        pose.pose.map_from_base * MotionIn(0.025, command);
+    fastest_mps = std::max(fastest_mps, command.forward_mps);
+    return command;
+  };
+  for (int i = 0; i < 36; ++i) step();
+  EXPECT_GT(fastest_mps, 0.1);
+  core::VelocityCommand last;
+  for (int i = 0; i < 60; ++i) last = step();
+  EXPECT_EQ(last, core::VelocityCommand());
+}
+
 // Of a laser that turns five times a second a scan is 0.2 s old when it comes,
 // and 0.4 s when the next one does.
 TEST(LocalController, ASlowLaserDoesNotMakeItStandBetweenScans) {

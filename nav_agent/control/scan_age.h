@@ -2,6 +2,8 @@
 #ifndef NAV_AGENT_CONTROL_SCAN_AGE_H_
 #define NAV_AGENT_CONTROL_SCAN_AGE_H_
 
+#include <algorithm>
+
 #include "nav_agent/core/sensor_data.h"
 
 namespace treeline::control {
@@ -11,6 +13,13 @@ namespace treeline::control {
 inline double OldestScan_s(const core::RangeSensorInfo& laser) {
   constexpr double kScans = 2.5;
   return kScans * laser.scan_interval_s;
+}
+
+// The same to drive by, whatever a laser says of itself (a driver may state any
+// time between scans): a person walks a metre in a second.
+inline double OldestScanToDriveBy_s(const core::RangeSensorInfo& laser) {
+  constexpr double kLongest_s = 1;
+  return std::min(OldestScan_s(laser), kLongest_s);
 }
 
 }  // namespace treeline::control
