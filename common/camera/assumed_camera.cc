@@ -19,9 +19,21 @@ constexpr double kUsualFocal = 0.75;
 constexpr double kSameShape = 0.01;
 // What EXIF rounds, and lenses breathe.
 constexpr double kSameFocal = 0.05;
+// The lenses of a phone differ by half as much again and more.
+const double kOtherLens = std::log(1.25);
 
 bool IsNear(double a, double b, double tolerance) {
   return std::abs(std::log(a / b)) <= tolerance;
+}
+
+// nullopt: not stated, or absurd.
+std::optional<double> StatedFocal_px(std::optional<double> focal_35mm,
+                                     int width, int height) {
+  if (!focal_35mm || !(*focal_35mm >= kMinFocal35_mm) ||
+      !(*focal_35mm <= kMaxFocal35_mm)) {
+    return std::nullopt;
+  }
+  return *focal_35mm / kFilmDiagonal_mm * std::hypot(width, height);
 }
 
 double Shape(double width, double height) { return width / height; }
@@ -43,16 +55,15 @@ std::optional<Camera> ResizedTo(const Camera& camera, int width, int height) {
 
 Camera AssumedCamera(int width, int height, std::optional<double> focal_35mm,
                      const Camera& scene) {
-  const bool is_stated = focal_35mm && *focal_35mm >= kMinFocal35_mm &&
-                         *focal_35mm <= kMaxFocal35_mm;
+  const std::optional<double> stated =
+      StatedFocal_px(focal_35mm, width, height);
   const double focal_px =
-      is_stated ? *focal_35mm / kFilmDiagonal_mm * std::hypot(width, height)
-                : kUsualFocal * std::max(width, height);
+      stated.value_or(kUsualFocal * std::max(width, height));
   if (IsNear(Shape(width, height), Shape(scene.width(), scene.height()),
              kSameShape)) {
     const std::optional<Camera> resized = ResizedTo(scene, width, height);
     if (resized &&
-        (!is_stated || IsNear(focal_px, MeanFocal_px(*resized), kSameFocal))) {
+        (!stated || IsNear(focal_px, MeanFocal_px(*resized), kSameFocal))) {
       return *resized;
     }
   }
@@ -60,6 +71,12 @@ Camera AssumedCamera(int width, int height, std::optional<double> focal_35mm,
                                             0.5 * (height - 1)};
   return *Camera::Create(CameraModel::kSimplePinhole, width, height,
                          parameters.data(), parameters.size());
+}
+
+bool IsOfAnotherLens(std::optional<double> focal_35mm, const Camera& scene) {
+  const std::optional<double> stated =
+      StatedFocal_px(focal_35mm, scene.width(), scene.height());
+  return stated && !IsNear(*stated, MeanFocal_px(scene), kOtherLens);
 }
 
 }  // namespace treeline::camera

@@ -46,5 +46,19 @@ TEST(AssumedCamera, ElseItIsAUsualOne) {
   EXPECT_EQ(AssumedCamera(1, 1, std::nullopt, Scene()).fx(), 0.75);
 }
 
+TEST(IsOfAnotherLens, IsWhatExifSaysClearly) {
+  // The scene's is 28.4 mm.
+  for (const double same : {23.0, 26.0, 28.0, 35.0}) {
+    EXPECT_FALSE(IsOfAnotherLens(same, Scene())) << same;
+  }
+  for (const double other : {13.0, 22.0, 36.0, 77.0}) {
+    EXPECT_TRUE(IsOfAnotherLens(other, Scene())) << other;
+  }
+  for (const auto& absurd : {std::optional<double>(), std::optional(0.0),
+                             std::optional(1e9), std::optional(std::nan(""))}) {
+    EXPECT_FALSE(IsOfAnotherLens(absurd, Scene()));
+  }
+}
+
 }  // namespace
 }  // namespace treeline::camera

@@ -1,5 +1,6 @@
 #include "common/camera/derived_camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -80,6 +81,44 @@ absl::StatusOr<Camera> WithFocalScaled(const Camera& camera, double factor) {
   Parameters p = camera.parameters();
   for (size_t i = 0; i < PrincipalPoint(camera); ++i) p[i] *= factor;
   return WithParameters(camera, camera.width(), camera.height(), p);
+}
+
+absl::StatusOr<Camera> WithPrincipalPointMoved(const Camera& camera, double x,
+                                               double y) {
+  Parameters p = camera.parameters();
+  const size_t c = PrincipalPoint(camera);
+  p[c] += x;
+  p[c + 1] += y;
+  return WithParameters(camera, camera.width(), camera.height(), p);
+}
+
+absl::StatusOr<Camera> WithRadialAdded(const Camera& camera, double k) {
+  Parameters p = camera.parameters();
+  CameraModel model = camera.model();
+  const size_t k1 = PrincipalPoint(camera) + 2;
+  switch (model) {
+    case CameraModel::kSimplePinhole:
+    case CameraModel::kPinhole:
+      model = model == CameraModel::kPinhole ? CameraModel::kOpenCv
+                                             : CameraModel::kSimpleRadial;
+      std::fill(p.begin() + k1, p.end(), 0);
+      break;
+    case CameraModel::kSimpleRadial:
+    case CameraModel::kRadial:
+    case CameraModel::kOpenCv:
+    case CameraModel::kFullOpenCv:
+      break;
+    case CameraModel::kOpenCvFisheye:
+    case CameraModel::kFov:
+    case CameraModel::kSimpleRadialFisheye:
+    case CameraModel::kRadialFisheye:
+    case CameraModel::kThinPrismFisheye:
+      return absl::InvalidArgumentError(absl::StrCat(
+          CameraModelName(model), " has no coefficients of an ordinary lens"));
+  }
+  p[k1] += k;
+  return Camera::Create(model, camera.width(), camera.height(), p.data(),
+                        CameraParameterCount(model));
 }
 
 }  // namespace treeline::camera

@@ -29,6 +29,15 @@ absl::StatusOr<Camera> Resized(const Camera& camera, double factor);
 // unless that makes a camera.
 absl::StatusOr<Camera> WithFocalScaled(const Camera& camera, double factor);
 
+// With its principal point moved by so many pixels, and the same picture.
+// INVALID_ARGUMENT unless that makes a camera.
+absl::StatusOr<Camera> WithPrincipalPointMoved(const Camera& camera, double x,
+                                               double y);
+
+// With `k` added to its first coefficient of radial distortion: a pinhole
+// camera becomes SIMPLE_RADIAL or OPENCV. INVALID_ARGUMENT for fisheyes.
+absl::StatusOr<Camera> WithRadialAdded(const Camera& camera, double k);
+
 }  // namespace treeline::camera
 
 #endif  // COMMON_CAMERA_DERIVED_CAMERA_H_

@@ -56,6 +56,14 @@ TEST_P(DerivedCamera, KeepsTheEdgesWhenResized) {
   }
 }
 
+TEST_P(DerivedCamera, ImagesAllBesideWithItsPrincipalPointMoved) {
+  const Camera moved = WithPrincipalPointMoved(camera_, 3, -2).value();
+  for (const geometry::Vec3& point : kPoints) {
+    const Pixel pixel = camera_.Project(point);
+    ExpectNear(moved.Project(point), {pixel.x + 3, pixel.y - 2});
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Models, DerivedCamera,
     ::testing::Values(
@@ -68,6 +76,19 @@ INSTANTIATE_TEST_SUITE_P(
         "RADIAL_FISHEYE,50,31,22,0.1,0.01",
         "THIN_PRISM_FISHEYE,50,55,31,22,0.1,0.01,0.01,0.02,0.001,0.0001,0.02,"
         "0.03"));
+
+TEST(WithRadialAdded, MakesALensOfAPinhole) {
+  const auto bent = [](const char* text) {
+    return WithRadialAdded(*Camera::Parse(text, 64, 48), 0.25)->ToString();
+  };
+  EXPECT_EQ(bent("SIMPLE_PINHOLE,50,31,22"), "SIMPLE_RADIAL,50,31,22,0.25");
+  EXPECT_EQ(bent("PINHOLE,50,55,31,22"), "OPENCV,50,55,31,22,0.25,0,0,0");
+  EXPECT_EQ(bent("RADIAL,50,31,22,-0.5,0.125"), "RADIAL,50,31,22,-0.25,0.125");
+  EXPECT_EQ(WithRadialAdded(*Camera::Parse("FOV,50,55,31,22,0.9", 64, 48), 0.25)
+                .status()
+                .code(),
+            absl::StatusCode::kInvalidArgument);
+}
 
 TEST(Cropped, RefusesWindowsBeyondThePicture) {
   const Camera camera;

@@ -374,13 +374,15 @@ std::optional<camera::Camera> AssumedCamera(
     const v1::Frame& proto, const image::Frame& pixels,
     const camera::RgbdCalibration& scene_calibration) {
   const camera::Camera& scene = scene_calibration.color;
-  if (proto.has_camera() || proto.has_depth() ||
-      HasSizeOf(pixels.color, scene)) {
+  if (proto.has_camera() || proto.has_depth()) return std::nullopt;
+  const std::optional<double> focal_35mm =
+      image::ReadExifFocal35_mm(proto.color().encoded());
+  if (HasSizeOf(pixels.color, scene) &&
+      !camera::IsOfAnotherLens(focal_35mm, scene)) {
     return std::nullopt;
   }
-  return camera::AssumedCamera(
-      pixels.color.width, pixels.color.height,
-      image::ReadExifFocal35_mm(proto.color().encoded()), scene);
+  return camera::AssumedCamera(pixels.color.width, pixels.color.height,
+                               focal_35mm, scene);
 }
 
 absl::StatusOr<image::Frame> FromProto(

@@ -22,8 +22,9 @@ v1::Frame ToProto(const QueryFrame& frame);
 //
 //   request                     calibration of the result
 //   no camera, no depth         nullopt: the scene's; of a picture of another
-//                               size than its: the scene's, with AssumedCamera
-//                               as its colour camera
+//                               size than its, or whose EXIF names another
+//                               lens: the scene's, with AssumedCamera as its
+//                               colour camera
 //   no camera, SCENE_CALIBR.    nullopt: the scene's
 //   camera, (SCENE_CALIBR.)     the scene's, with `camera` as its colour camera
 //   REGISTERED_TO_COLOR         colour camera for both, identity between them

@@ -267,6 +267,48 @@ std::string JpegWithRightSideUp() {
   return jpeg.substr(0, 2) + exif + jpeg.substr(2);
 }
 
+// One whose EXIF states a focal length, in terms of film.
+std::string JpegOfLens(int focal_35mm) {
+  const std::string jpeg = image::EncodeJpeg(SomeColor(), 95).value();
+  const std::string tag_ends(4, '\0');
+  const std::string exif =
+      std::string("Exif\0\0MM\0*\0\0\0\x08", 14) +
+      // A directory that holds where the other one is, and that one.
+      std::string("\0\x01\x87\x69\0\x04\0\0\0\x01\0\0\0\x1a", 14) + tag_ends +
+      std::string("\0\x01\xa4\x05\0\x03\0\0\0\x01\0", 11) +
+      static_cast<char>(focal_35mm) + std::string(2, '\0') + tag_ends;
+  return jpeg.substr(0, 2) + "\xff\xe1" + '\0' +
+         static_cast<char>(exif.size() + 2) + exif + jpeg.substr(2);
+}
+
+// The scene's camera has 35 px of a diagonal of 50 px: 30 mm.
+TEST(WireFrame, ACameraIsAssumedForAPictureOfAnotherLens) {
+  for (const int same : {26, 30, 35}) {
+    const auto frame = Decode({.color = EncodedImage{JpegOfLens(same)}});
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_FALSE(frame->is_camera_assumed) << same;
+  }
+  for (const int other : {13, 52}) {
+    const QueryFrame query{.color = EncodedImage{JpegOfLens(other)}};
+    const auto frame = Decode(query);
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_TRUE(frame->is_camera_assumed);
+    ASSERT_TRUE(frame->calibration.has_value());
+    EXPECT_NEAR(frame->calibration->color.fx(), other * 50 / 43.2666, 1e-3);
+    EXPECT_EQ(CalibrationFromProto(ToProto(query), *frame, SceneCalibration(),
+                                   "frame")
+                  .value(),
+              frame->calibration);
+    // With depth it is the scene's, and so is one that is stated.
+    QueryFrame deep = query;
+    deep.depth = QueryDepth{.image = SomeDepth(kWidth / 2, kHeight / 2)};
+    EXPECT_FALSE(Decode(deep)->is_camera_assumed);
+    QueryFrame stated = query;
+    stated.camera = CameraOf(kWidth, kHeight, 35);
+    EXPECT_FALSE(Decode(stated)->is_camera_assumed);
+  }
+}
+
 TEST(WireFrame, TheWayUpArrivesAsStated) {
   for (const image::QuarterTurn turn : image::kQuarterTurns) {
     QueryFrame query{.color = EncodedImage{JpegWithRightSideUp()}};

@@ -87,7 +87,11 @@ v1::LocalizeResponse ToProto(const localizer::PoseEstimate& estimate,
   proto.set_inliers(estimate.inliers);
   proto.set_samples(estimate.samples);
   proto.set_inlier_ratio(estimate.inlier_ratio);
-  if (estimate.focal_scale != 1) proto.set_focal_scale(estimate.focal_scale);
+  if (!estimate.found_camera) {
+    if (estimate.focal_scale != 1) proto.set_focal_scale(estimate.focal_scale);
+  } else if (estimate.outcome == localizer::Outcome::kLocalized) {
+    *proto.mutable_camera() = wire::ToProto(*estimate.found_camera);
+  }
   if (estimate.depth_scale != 1) proto.set_depth_scale(estimate.depth_scale);
   proto.set_confidence(estimate.confidence);
   for (const localizer::Correspondence& sample : estimate.correspondences) {

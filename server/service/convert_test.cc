@@ -52,6 +52,18 @@ TEST(Convert, AFocalLengthThatDoesNotFitIsSaid) {
   EXPECT_EQ(ToProto(estimate, camera::RgbdSensor::kColor).focal_scale(), 0.95);
 }
 
+TEST(Convert, ACameraThatNobodyStatedIsTold) {
+  localizer::PoseEstimate estimate = LocalizedEstimate();
+  estimate.focal_scale = 0.95;
+  estimate.found_camera = camera::Camera();
+  v1::LocalizeResponse proto = ToProto(estimate, camera::RgbdSensor::kColor);
+  EXPECT_EQ(wire::FromProto(proto.camera(), "camera").value(),
+            *estimate.found_camera);
+  EXPECT_FALSE(proto.has_focal_scale());
+  estimate.outcome = localizer::Outcome::kNotLocalized;
+  EXPECT_FALSE(ToProto(estimate, camera::RgbdSensor::kColor).has_camera());
+}
+
 TEST(Convert, DepthThatDoesNotFitIsSaid) {
   localizer::PoseEstimate estimate = LocalizedEstimate();
   estimate.depth_scale = 1.04;

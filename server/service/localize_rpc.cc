@@ -64,22 +64,6 @@ absl::StatusOr<localizer::LocalizeOptions> OptionsOf(
   return options;
 }
 
-// Where no camera was stated, the answer tells which it is of.
-void TellAssumedCamera(const v1::Frame& asked, const image::Frame& frame,
-                       const repository::Scene& scene,
-                       v1::LocalizeResponse& response) {
-  if (response.outcome() != v1::OUTCOME_LOCALIZED) return;
-  const std::optional<camera::Camera> assumed =
-      wire::AssumedCamera(asked, frame, repository::QueryCalibration(scene));
-  if (!assumed) return;
-  const double scale = response.has_focal_scale() ? response.focal_scale() : 1;
-  const absl::StatusOr<camera::Camera> camera =
-      camera::WithFocalScaled(*assumed, scale);
-  if (!camera.ok()) return;
-  *response.mutable_camera() = wire::ToProto(*camera);
-  response.clear_focal_scale();
-}
-
 }  // namespace
 
 absl::Status CheckOptions(const v1::LocalizeOptions& options) {
@@ -124,11 +108,8 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.timings.decode_ms = base::MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
 
-  TL_ASSIGN_OR_RETURN(v1::LocalizeResponse response,
-                      Answer(scene.localizer->Localize(frame, options),
-                             options.priors, scene, call, record));
-  TellAssumedCamera(request.frame(), frame, scene, response);
-  return response;
+  return Answer(scene.localizer->Localize(frame, options), options.priors,
+                scene, call, record);
 }
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
@@ -196,7 +177,6 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   TL_ASSIGN_OR_RETURN(
       v1::LocalizeResponse response,
       Answer(std::move(result->estimate), options.priors, scene, call, record));
-  TellAssumedCamera(request.frame(), frame, scene, response);
   for (const recognition::ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
     if (response.candidates_size() == kMaxCandidates) break;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/core/localizer/assumed_lens.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/localizer/query.h"
 #include "server/core/pose/focal_estimate.h"
@@ -21,11 +22,14 @@ struct Candidate {
   NotLocalizedReason reason = NotLocalizedReason::kTooFewSamples;
   // What the pose was sought with.
   int samples = 0;
-  // They are features matched with keyframes, not predictions of a forest.
+  // They are features that were matched one by one, not a forest's predictions
+  // of what is about them.
   bool is_matched = false;
   // What it was sought with says of the focal length that the query states:
   // matched features, or measured points of the colour camera.
   std::optional<pose::FocalEstimate> focal;
+  // Of matched features, where no camera is stated.
+  std::optional<AssumedLens> lens;
   // Of the features that support the pose, the share that is like nothing
   // elsewhere in the scene, in [0, 1]; see CountDistinct.
   double distinct = 1;

@@ -37,7 +37,7 @@ bool DoubtsFocal(const pose::FocalEstimate& points) {
 bool IsGuessConfirmed(const FocalEvidence& evidence, double max_sigma) {
   return evidence.features && evidence.features->sigma <= max_sigma &&
          !FocalDoubt(/*may_be_guessed=*/true, /*sigma_scale=*/1)
-              .Other({evidence.features, std::nullopt});
+              .Other({.features = evidence.features});
 }
 
 FocalDoubt::FocalDoubt(bool may_be_guessed, double sigma_scale)

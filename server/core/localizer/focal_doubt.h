@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "server/core/localizer/assumed_lens.h"
 #include "server/core/pose/focal_estimate.h"
 
 namespace treeline::localizer {
@@ -12,9 +13,11 @@ namespace treeline::localizer {
 // What a query's candidates say of its focal length.
 struct FocalEvidence {
   // The one that most matched features support.
-  std::optional<pose::FocalEstimate> features;
+  std::optional<pose::FocalEstimate> features = std::nullopt;
   // Points that the colour camera measured.
-  std::optional<pose::FocalEstimate> points;
+  std::optional<pose::FocalEstimate> points = std::nullopt;
+  // The same features', where no camera is stated.
+  std::optional<AssumedLens> lens = std::nullopt;
 };
 
 struct OtherFocal {

@@ -51,6 +51,11 @@ class KeyframeSource {
     return pose::EstimateFocal(seen.scene, pose.world_from_camera,
                                RobustScale(query));
   }
+  std::optional<AssumedLens> Lens(Query& query,
+                                  const KeyframeObservations& seen,
+                                  const pose::RefinedPose& pose) const {
+    return LensOf(query, seen.scene, pose, RobustScale(query));
+  }
   static double RobustScale(const Query& query) {
     return kKeyframeRobustScale_px * query.pixel();
   }

@@ -128,7 +128,7 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
       {.has_enough_inliers =
            pose.inliers >=
            (candidate.is_matched ? kMinKeyframeInliers : kMinAnswerInliers),
-       .is_determined = sigma_m <= kMaxPositionSigma_m,
+       .is_determined = sigma_m <= MaxPositionSigma(),
        .fits_depth = !ContradictsDepth(verdict.evidence),
        .is_confident =
            verdict.confidence >=

@@ -9,6 +9,7 @@
 #include "common/camera/camera.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/keyframes/keyframe_map.h"
+#include "server/core/localizer/parameters.h"
 #include "server/core/localizer/pose_verifier.h"
 #include "server/core/pose/pose_fusion.h"
 
@@ -29,6 +30,7 @@ class KeyframeVerifier final : public PoseVerifier {
   // Aligns the pose with the keyframes around, where there are any, by colour
   // and, if the query has it, by depth.
   Verdict Verify(Query& query, const Candidate& candidate) const override;
+  double MaxPositionSigma() const override { return kMaxPositionSigma_m; }
   std::optional<keyframes::DepthScale> MeasureDepth(
       Query& query, const geometry::Rigid3& world_from_camera) const override;
 

@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "common/camera/camera.h"
 #include "common/geometry/pose_prior.h"
 #include "common/geometry/rigid3.h"
 #include "common/image/frame.h"
@@ -86,6 +88,8 @@ struct PoseEstimate {
   // (or the scene's), since that fits what was seen better; 1: the stated one
   // fits.
   double focal_scale = 1;
+  // Where nobody stated a camera, the one that the pose is of.
+  std::optional<camera::Camera> found_camera;
   // By how many standard deviations, as they state them, matched features speak
   // for another focal length than the stated one; 0: they do not tell.
   double focal_error_sigmas = 0;

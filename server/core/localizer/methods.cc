@@ -45,11 +45,22 @@ absl::Status CheckSiftModel(const forest::ModelFile& model) {
       "viewing distance");
 }
 
+// `use`, unless the options take it as stated.
+void AddFocal(const forest::ModelFile& model, FocalUse use,
+              const QueryOptions& options, Method& method) {
+  method.focal_use = options.corrects_focal ? use : FocalUse::kAsStated;
+  if (const auto& confidence = model.info().confidence) {
+    method.focal_sigma_scale = confidence->focal_sigma_scale;
+  }
+}
+
 absl::StatusOr<Method> MakeSift(const forest::ModelFile& model,
                                 const QueryOptions& options) {
   TL_RETURN_IF_ERROR(CheckSiftModel(model));
   Method method;
   method.verifier = std::make_unique<SupportVerifier>(model.info());
+  // Cameras of a structure from motion are exact, each for itself.
+  AddFocal(model, FocalUse::kSoughtWhereAssumed, options, method);
   method.steps.push_back({std::make_unique<SiftGenerator>(
       model.forest(), model.info().viewing_distance, options)});
   return method;
@@ -115,10 +126,7 @@ absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
   Method method;
   method.verifier = std::move(verifier);
   method.keyframes = &keyframes;
-  method.corrects_focal = options.corrects_focal;
-  if (const auto& confidence = model.info().confidence) {
-    method.focal_sigma_scale = confidence->focal_sigma_scale;
-  }
+  AddFocal(model, FocalUse::kCorrected, options, method);
   if (name == "rgbd") {
     method.depth_use = DepthUse::kRequired;
     method.steps.push_back(

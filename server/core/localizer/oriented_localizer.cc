@@ -41,6 +41,9 @@ void TurnBack(const image::Frame& frame, QuarterTurn turn,
   const int width = swaps ? frame.color.height : frame.color.width;
   const int height = swaps ? frame.color.width : frame.color.height;
   const QuarterTurn back = image::Inverse(turn);
+  if (estimate.found_camera) {
+    estimate.found_camera = image::Turned(*estimate.found_camera, back);
+  }
   const geometry::Rotation3 camera_from_turned = image::TurnedFromCamera(back);
   for (Correspondence& sample : estimate.correspondences) {
     sample.color_pixel = Turned(sample.color_pixel, width, height, back);

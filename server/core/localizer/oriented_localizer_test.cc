@@ -261,6 +261,9 @@ class TurnedPoseTest : public testing::TestWithParam<QuarterTurn> {
                                  depth_use, "fake")
                           .ok());
           given = Localized(1);
+          // The fake confirms the camera that is stated.
+          given->found_camera =
+              QueryCalibration(turned, *info_, depth_use).color;
           given->world_from_camera = camera::PoseOfSensor(
               WorldFromTurned(), camera::RgbdSensor::kColor, pose_sensor,
               QueryCalibration(turned, *info_, depth_use));
@@ -281,6 +284,8 @@ class TurnedPoseTest : public testing::TestWithParam<QuarterTurn> {
         geometry::ErrorBetween(estimate->world_from_camera, truth);
     EXPECT_LT(error.translation_m, kTolerance);
     EXPECT_LT(error.rotation_rad, 1e-7);
+    EXPECT_EQ(estimate->found_camera,
+              QueryCalibration(frame, *info_, depth_use).color);
   }
 
   const forest::ModelInfo* info_ = nullptr;

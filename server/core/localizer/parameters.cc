@@ -69,6 +69,16 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMinDepthScaleSigmas),
           base::RowOf(kMinScaleAgreement),
           base::RowOf(kMaxKnownFocalSigma),
+          base::RowOf(kMaxAssumedFocalSigma),
+          base::RowOf(kMaxAssumedSigmaScale),
+          base::RowOf(kUsualOffset),
+          base::RowOf(kUsualRadial),
+          base::RowOf(kAnyOffset),
+          base::RowOf(kAnyRadial),
+          base::RowOf(kUsualLensOdds),
+          base::RowOf(kMinUsualLensOdds),
+          base::RowOf(kMaxLensRounds),
+          base::RowOf(kMaxLensSigma),
           base::RowOf(kMaxDepthRounds),
           base::RowOf(kOtherTurnOdds)};
 }

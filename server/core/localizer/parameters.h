@@ -527,6 +527,61 @@ inline constexpr base::Parameter<double> kMaxAssumedSigmaScale{
     .why =
         "... and in scenes whose features understate that by no more: where "
         "they do 2.2 times, 5 of 34 were wrong; mostly it is 1.0"};
+inline constexpr base::Parameter<double> kUsualOffset{
+    .name = "usual_lens_offset",
+    .value = 0.01,
+    .unit = "",
+    .origin = base::ParameterOrigin::kPhysics,
+    .why =
+        "standard deviation of a lens's principal point from the middle of its "
+        "whole picture, in longer sides"};
+inline constexpr base::Parameter<double> kUsualRadial{
+    .name = "usual_lens_radial",
+    .value = 0.02,
+    .unit = "",
+    .origin = base::ParameterOrigin::kPhysics,
+    .why = "the same of k1: phones straighten their pictures"};
+inline constexpr base::Parameter<double> kAnyOffset{
+    .name = "any_lens_offset",
+    .value = 0.15,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "the same of pictures that somebody has cut from larger ones: half of "
+        "one side was cut off of half of them"};
+inline constexpr base::Parameter<double> kAnyRadial{
+    .name = "any_lens_radial",
+    .value = 0.15,
+    .unit = "",
+    .origin = base::ParameterOrigin::kPhysics,
+    .why = "the same of webcams' k1"};
+inline constexpr base::Parameter<double> kUsualLensOdds{
+    .name = "usual_lens_odds",
+    .value = 10,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "of ten pictures without a camera one is a part of another, or bent"};
+inline constexpr base::Parameter<double> kMinUsualLensOdds{
+    .name = "min_usual_lens_odds",
+    .value = 30,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a usual lens on a whole picture needs them"};
+inline constexpr base::Parameter<int> kMaxLensRounds{
+    .name = "max_lens_rounds",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with the lens that was found more features agree"};
+inline constexpr base::Parameter<double> kMaxLensSigma{
+    .name = "max_lens_sigma",
+    .value = 0.5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "such pictures are answered for if their position is known to this "
+        "part of max_position_sigma, the camera's doubt included"};
 inline constexpr base::Parameter<int> kMaxDepthRounds{
     .name = "max_depth_rounds",
     .value = 3,

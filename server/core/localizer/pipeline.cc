@@ -8,6 +8,7 @@
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "common/camera/derived_camera.h"
+#include "server/core/localizer/assumed_lens.h"
 #include "server/core/localizer/parameters.h"
 #include "server/core/localizer/report.h"
 #include "server/core/localizer/stated_camera.h"
@@ -113,6 +114,7 @@ class Search {
     if (most && (query_.is_focal_doubtful() ||
                  most->pose->inliers >= kSufficientMatches)) {
       evidence.features = most->focal;
+      evidence.lens = most->lens;
     }
     return evidence;
   }
@@ -168,15 +170,6 @@ class Search {
 bool IsFocalKnown(const Query& query, const FocalEvidence& focal) {
   return !query.is_focal_doubtful() ||
          IsGuessConfirmed(focal, kMaxKnownFocalSigma);
-}
-
-// A camera that nobody stated has to be found by features, in a scene of which
-// it was measured how well they do that.
-bool IsAssumedRightly(const Method& method, const FocalEvidence& focal) {
-  return method.focal_sigma_scale &&
-         *method.focal_sigma_scale <= kMaxAssumedSigmaScale &&
-         IsGuessConfirmed(focal,
-                          kMaxAssumedFocalSigma / *method.focal_sigma_scale);
 }
 
 // Depth that is registered to colour has the same camera.
@@ -280,7 +273,7 @@ absl::StatusOr<Selection> SelectWithAnyCalibration(const Method& method,
   }
   const FocalDoubt doubt(query.is_focal_doubtful(),
                          method.focal_sigma_scale.value_or(1));
-  const int rounds = method.corrects_focal ? kMaxFocalRounds.value : 0;
+  const int rounds = query.is_focal_open() ? kMaxFocalRounds.value : 0;
   for (int round = 0; round < rounds; ++round) {
     const std::optional<OtherFocal> other = doubt.Other(best.focal);
     if (!best.verdict || !other) break;
@@ -314,6 +307,9 @@ Query Pipeline::Ask(const image::Frame& frame,
   if (frame.is_camera_assumed || MayBeGuessed(calibration.color, learnt)) {
     query.set_focal_doubtful();
   }
+  query.set_focal_open(method_.focal_use == FocalUse::kCorrected ||
+                       (method_.focal_use == FocalUse::kSoughtWhereAssumed &&
+                        frame.is_camera_assumed));
   query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
   query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
                              query.depth() != nullptr);
@@ -337,7 +333,7 @@ absl::Status Pipeline::TryOtherCameras(const image::Frame& frame,
                                        const LocalizeOptions& options,
                                        QueryScratch& scratch,
                                        Found& found) const {
-  if (!method_.corrects_focal) return absl::OkStatus();
+  if (method_.focal_use != FocalUse::kCorrected) return absl::OkStatus();
   for (const camera::Camera& other :
        CentredCameras(stated.color, info().calibration.color)) {
     Query query = Ask(frame, WithColor(stated, other), options, scratch);
@@ -352,6 +348,52 @@ absl::Status Pipeline::TryOtherCameras(const image::Frame& frame,
         camera::MeanFocal_px(other) / camera::MeanFocal_px(stated.color);
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<camera::Camera> Pipeline::AskAgainWithLens(
+    const image::Frame& frame, const camera::RgbdCalibration& assumed,
+    const LocalizeOptions& options, QueryScratch& scratch, Found& found) const {
+  TL_ASSIGN_OR_RETURN(camera::RgbdCalibration last,
+                      WithFocal(assumed, found.corrections.focal_scale));
+  for (int round = 0; round < kMaxLensRounds; ++round) {
+    const std::optional<AssumedLens> lens = found.selection.focal.lens;
+    if (!lens || lens->is_as_assumed) break;
+    const absl::StatusOr<camera::Camera> camera =
+        WithLens(last.color, lens->found);
+    if (!camera.ok()) break;
+    last = WithColor(last, *camera);
+    Query query = Ask(frame, last, options, scratch);
+    Corrections corrections;
+    TL_ASSIGN_OR_RETURN(found.selection,
+                        SelectWithAnyCalibration(method_, query, corrections));
+    Add(query.timings(), found.timings);
+    TL_ASSIGN_OR_RETURN(last, WithFocal(last, corrections.focal_scale));
+    found.lens = lens->found;
+  }
+  found.corrections.focal_scale =
+      camera::MeanFocal_px(last.color) / camera::MeanFocal_px(assumed.color);
+  return last.color;
+}
+
+// It has to be found by features, in a scene of which it was measured how well
+// they do that.
+bool Pipeline::IsAssumedRightly(const Found& found,
+                                PoseEstimate& estimate) const {
+  const FocalEvidence& focal = found.selection.focal;
+  if (!method_.focal_sigma_scale ||
+      *method_.focal_sigma_scale > kMaxAssumedSigmaScale || !focal.lens ||
+      !focal.lens->is_as_assumed ||
+      !IsGuessConfirmed(focal,
+                        kMaxAssumedFocalSigma / *method_.focal_sigma_scale)) {
+    return false;
+  }
+  if (!found.lens) return true;
+  const double scale = *method_.focal_sigma_scale;
+  for (size_t i = 0; i < estimate.covariance.size(); ++i) {
+    estimate.covariance[i] += scale * scale * found.lens->added[i];
+  }
+  return PositionSigma_m(estimate.covariance) <=
+         kMaxLensSigma * method_.verifier->MaxPositionSigma();
 }
 
 absl::Status Pipeline::AskAgainWithFocal(const image::Frame& frame,
@@ -389,20 +431,24 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   Found found;
   TL_ASSIGN_OR_RETURN(found.selection, SelectWithAnyCalibration(
                                            method_, query, found.corrections));
+  std::optional<camera::Camera> assumed;
   if (frame.is_camera_assumed) {
     TL_RETURN_IF_ERROR(
         AskAgainWithFocal(frame, calibration, options, *scratch, found));
+    TL_ASSIGN_OR_RETURN(assumed, AskAgainWithLens(frame, calibration, options,
+                                                  *scratch, found));
   }
   TL_RETURN_IF_ERROR(
       TryOtherCameras(frame, calibration, options, *scratch, found));
   PoseEstimate estimate =
       Report(std::move(found.selection.candidate),
              found.selection.verdict ? &*found.selection.verdict : nullptr);
-  if (frame.is_camera_assumed && estimate.outcome == Outcome::kLocalized &&
-      !IsAssumedRightly(method_, found.selection.focal)) {
+  if (assumed && estimate.outcome == Outcome::kLocalized &&
+      !IsAssumedRightly(found, estimate)) {
     estimate.outcome = Outcome::kNotLocalized;
     estimate.reason = NotLocalizedReason::kUnknownCamera;
   }
+  estimate.found_camera = assumed;
   estimate.focal_scale = found.corrections.focal_scale;
   estimate.focal_error_sigmas = found.corrections.focal_error_sigmas;
   estimate.depth_scale = found.corrections.depth_scale;

@@ -29,6 +29,15 @@ struct Step {
   bool is_shortcut = false;
 };
 
+// What becomes of the focal length of a query's camera.
+enum class FocalUse {
+  kAsStated,
+  // It is sought where nobody stated a camera.
+  kSoughtWhereAssumed,
+  // Where what is seen says clearly that it is wrong, too.
+  kCorrected,
+};
+
 // What makes one method differ from another.
 struct Method {
   DepthUse depth_use = DepthUse::kIgnored;
@@ -42,7 +51,7 @@ struct Method {
   double sufficient_confidence = 0;
   // See ConfidenceModel and QueryOptions. nullopt: it was never measured, 1.
   std::optional<double> focal_sigma_scale = std::nullopt;
-  bool corrects_focal = true;
+  FocalUse focal_use = FocalUse::kCorrected;
 };
 
 // What the search settled on.
@@ -100,6 +109,8 @@ class Pipeline final : public Localizer {
     Corrections corrections;
     // Of queries of other cameras.
     LocalizeTimings timings;
+    // Of an assumed camera, what its lens had to be corrected by.
+    std::optional<pose::LensEstimate> lens = std::nullopt;
   };
   Query Ask(const image::Frame& frame,
             const camera::RgbdCalibration& calibration,
@@ -113,6 +124,15 @@ class Pipeline final : public Localizer {
                                  const camera::RgbdCalibration& assumed,
                                  const LocalizeOptions& options,
                                  QueryScratch& scratch, Found& found) const;
+  // Asks anew with the lens that was found, where that is not the assumed one.
+  // The camera that the selection is of.
+  absl::StatusOr<camera::Camera> AskAgainWithLens(
+      const image::Frame& frame, const camera::RgbdCalibration& assumed,
+      const LocalizeOptions& options, QueryScratch& scratch,
+      Found& found) const;
+  // Whether the camera, which nobody stated, is what was seen with. Where its
+  // lens was found, the answer's covariance gets to know of the doubt in it.
+  bool IsAssumedRightly(const Found& found, PoseEstimate& estimate) const;
   // Puts what was found with one of CentredCameras in the place of `found`,
   // where that is rather to be believed.
   absl::Status TryOtherCameras(const image::Frame& frame,

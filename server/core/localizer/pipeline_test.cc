@@ -46,6 +46,7 @@ class FakeVerifier final : public PoseVerifier {
     ++*verified_;
     return verdicts_.at(candidate.pose->inliers);
   }
+  double MaxPositionSigma() const override { return 0.05; }
   std::optional<keyframes::DepthScale> MeasureDepth(
       Query& /*query*/,
       const geometry::Rigid3& /*world_from_camera*/) const override {
@@ -250,6 +251,7 @@ class OtherFocalAnswerTest : public testing::Test {
     QueryScratch scratch;
     Query query(frame, calibration, method_.depth_use, options, scratch);
     if (is_doubtful_) query.set_focal_doubtful();
+    query.set_focal_open(is_open_);
     Corrections corrections;
     const auto selection =
         SelectWithAnyCalibration(method_, query, corrections);
@@ -259,6 +261,7 @@ class OtherFocalAnswerTest : public testing::Test {
   }
 
   Method method_;
+  bool is_open_ = true;
   double sigmas_ = 7;  // by which the features want the longer one
   bool is_doubtful_ = false;
 };
@@ -295,7 +298,7 @@ TEST_F(OtherFocalAnswerTest, MayBeALittleWorseForAGuessThatIsClearlyWrong) {
 }
 
 TEST_F(OtherFocalAnswerTest, IsNeverTakenForOneThatIsKnown) {
-  method_.corrects_focal = false;
+  is_open_ = false;
   EXPECT_EQ(FocalScale(0.99), 1);
 }
 

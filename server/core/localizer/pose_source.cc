@@ -47,4 +47,13 @@ std::vector<Correspondence> MatchesOf(
   return correspondences;
 }
 
+std::optional<AssumedLens> LensOf(const Query& query,
+                                  const pose::RayPredictions& scene,
+                                  const pose::RefinedPose& pose,
+                                  double robust_scale) {
+  if (!query.is_camera_assumed()) return std::nullopt;
+  return FindAssumedLens(scene, pose.world_from_camera, robust_scale,
+                         query.camera());
+}
+
 }  // namespace treeline::localizer

@@ -54,6 +54,12 @@ std::vector<Correspondence> CorrespondencesOf(
 std::vector<Correspondence> MatchesOf(
     const RayObservations& seen, const std::optional<pose::RefinedPose>& pose);
 
+// See Candidate::lens; nullopt where a camera is stated.
+std::optional<AssumedLens> LensOf(const Query& query,
+                                  const pose::RayPredictions& scene,
+                                  const pose::RefinedPose& pose,
+                                  double robust_scale);
+
 // What a method sees in a frame, where in the scene it takes it to be, and how
 // that gives a pose.
 //
@@ -67,8 +73,7 @@ std::vector<Correspondence> MatchesOf(
 //   Solver         What RANSAC works with.
 //   Refine         Stage "refine".
 //   Explain        The correspondences.
-//   Focal          See Candidate::focal. May be left out, as may
-//   DistinctShare  See Candidate::distinct.
+//   Focal, Lens, DistinctShare  See Candidate. May be left out.
 template <typename S>
 concept PoseSource = requires(const S& source, Query& query,
                               std::span<const Candidate> earlier,
@@ -119,6 +124,9 @@ class SourceGenerator final : public CandidateGenerator {
     if (candidate.pose) {
       if constexpr (requires { &Source::Focal; }) {
         candidate.focal = source_.Focal(query, seen, *candidate.pose);
+      }
+      if constexpr (requires { &Source::Lens; }) {
+        candidate.lens = source_.Lens(query, seen, *candidate.pose);
       }
       if constexpr (requires { &Source::DistinctShare; }) {
         candidate.distinct =

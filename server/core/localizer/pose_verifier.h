@@ -61,6 +61,10 @@ class PoseVerifier {
   // `candidate` has a pose. The same query and candidate give the same verdict.
   virtual Verdict Verify(Query& query, const Candidate& candidate) const = 0;
 
+  // An answer's position has to be known as well: the largest standard
+  // deviation of its axes, in the scene's units.
+  virtual double MaxPositionSigma() const = 0;
+
   // How many times the query's depth is what is seen from about the pose (of
   // the pose sensor), judged by a pose that is the picture's alone. nullopt: it
   // cannot be told.

@@ -74,6 +74,8 @@ class Query {
   const image::DepthImage* depth() const { return depth_; }
   const camera::RgbdCalibration& calibration() const { return calibration_; }
   const camera::Camera& camera() const { return calibration_.color; }
+  // Nobody stated the colour camera.
+  bool is_camera_assumed() const { return frame_.is_camera_assumed; }
   // One pixel of the colour camera in units of its rays.
   double pixel() const { return pixel_; }
   // Other cameras for the same frame, of the same sizes: what does not depend
@@ -82,6 +84,9 @@ class Query {
   // The stated focal length may be a guess: it has to be confirmed by features.
   bool is_focal_doubtful() const { return is_focal_doubtful_; }
   void set_focal_doubtful() { is_focal_doubtful_ = true; }
+  // Another focal length than the stated one may be the answer's.
+  bool is_focal_open() const { return is_focal_open_; }
+  void set_focal_open(bool open) { is_focal_open_ = open; }
   // The scale of depth is still open: where one explains what is seen better,
   // depth is measured anew by it.
   bool is_depth_scale_open() const { return is_depth_scale_open_; }
@@ -109,6 +114,7 @@ class Query {
   const LocalizeOptions& options_;
   double pixel_ = 0;
   bool is_focal_doubtful_ = false;
+  bool is_focal_open_ = false;
   bool is_depth_scale_open_ = false;
   int feature_reduction_ = 1;
   QueryScratch& scratch_;

@@ -4,6 +4,7 @@
 
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "server/core/pose/focal_estimate.h"
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/ray_refinement.h"
 #include "server/core/pose/ray_solver.h"
@@ -154,6 +155,14 @@ absl::StatusOr<Candidate> SiftGenerator::Propose(
   }
   candidate.samples = static_cast<int>(seen.size());
   candidate.reason = NotLocalizedReason::kTooFewInliers;
+  candidate.is_matched = true;
+  if (candidate.pose) {
+    candidate.focal =
+        pose::EstimateFocal(seen.scene, candidate.pose->world_from_camera,
+                            kSiftRobustScale_px * query.pixel());
+    candidate.lens = LensOf(query, seen.scene, *candidate.pose,
+                            kSiftRobustScale_px * query.pixel());
+  }
   if (query.options().keep_correspondences) {
     candidate.correspondences = MatchesOf(seen, candidate.pose);
   }

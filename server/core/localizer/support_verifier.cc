@@ -9,6 +9,10 @@ SupportVerifier::SupportVerifier(const forest::ModelInfo& info)
           info.confidence.value_or(forest::ConfidenceModel::OfSiftMatches())),
       viewing_distance_(info.viewing_distance) {}
 
+double SupportVerifier::MaxPositionSigma() const {
+  return kMaxRelativePositionSigma * viewing_distance_;
+}
+
 Verdict SupportVerifier::Verify(Query& query,
                                 const Candidate& candidate) const {
   const pose::RefinedPose& pose = *candidate.pose;
@@ -22,8 +26,7 @@ Verdict SupportVerifier::Verify(Query& query,
   verdict.confidence = confidence_.Probability(verdict.evidence);
   verdict.reason = ReasonAgainst(
       {.has_enough_inliers = pose.inliers >= kMinSiftInliers,
-       .is_determined = PositionSigma_m(pose.covariance) <=
-                        kMaxRelativePositionSigma * viewing_distance_,
+       .is_determined = PositionSigma_m(pose.covariance) <= MaxPositionSigma(),
        .is_confident =
            verdict.confidence >=
            query.options().min_confidence.value_or(confidence_.threshold)});

@@ -16,6 +16,7 @@ class SupportVerifier final : public PoseVerifier {
 
   // The candidate's pose as it is.
   Verdict Verify(Query& query, const Candidate& candidate) const override;
+  double MaxPositionSigma() const override;
 
  private:
   const forest::ConfidenceModel confidence_;

@@ -19,9 +19,14 @@ struct Unknowns {
   geometry::Rigid3 camera_from_world;
   double log_focal = 0;
   double log_depth = 0;  // the true depth by the stated one
+  Eigen::Vector3d lens = Eigen::Vector3d::Zero();  // offset, and distortion
 };
 constexpr int kFocalIndex = 6;
+// Of points.
 constexpr int kDepthIndex = 7;
+// Of rays.
+constexpr int kLensIndex = 7;
+constexpr int kLensUnknowns = 3;
 
 template <int kUnknowns>
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
@@ -48,13 +53,18 @@ double SquaredReach(double robust_scale) {
   return kRobustReach * kRobustReach * robust_scale * robust_scale;
 }
 
-// Reprojection errors.
+// Reprojection errors. Of 7 unknowns, or 10: with the lens.
+template <int kCount>
 class RayResiduals {
  public:
-  static constexpr int kUnknowns = 7;
+  static constexpr int kUnknowns = kCount;
   static constexpr int kOfOne = 2;
+  static constexpr bool kHasLens = kCount > kLensIndex;
 
-  explicit RayResiduals(const RayPredictions& scene) : scene_(scene) {}
+  // `prior` counts with the lens.
+  explicit RayResiduals(const RayPredictions& scene,
+                        const LensPrior& prior = {})
+      : scene_(scene), prior_(prior) {}
 
   Sum<kUnknowns> SumAt(const Unknowns& at, double robust_scale) const {
     const CameraFromWorld to_camera(at.camera_from_world);
@@ -63,8 +73,7 @@ class RayResiduals {
     for (size_t i = 0; i < scene_.size(); ++i) {
       const geometry::Vec3 p = to_camera * scene_.at(i, 0).mean_in_world;
       if (p.z < kMinPointDepth) continue;
-      const Eigen::Vector2d residual{scale * p.x / p.z - scene_.ray[i].x,
-                                     scale * p.y / p.z - scene_.ray[i].y};
+      const Eigen::Vector2d residual = ResidualAt(at, scale, p, i);
       const double squared = residual.squaredNorm();
       if (!(squared <= SquaredReach(robust_scale))) continue;
       const double robust = RobustWeight(squared, robust_scale);
@@ -73,11 +82,18 @@ class RayResiduals {
       const double weight =
           robust /
           (scene_.ray_sigma[i] * scene_.ray_sigma[i] + scale * scale * spread);
-      const Derivatives j = DerivativesAt(p, scale);
+      const Derivatives j = DerivativesAt(p, scale, at.lens.z());
       sum.hessian.noalias() += weight * j.transpose() * j;
       sum.gradient.noalias() += weight * j.transpose() * residual;
       sum.value += weight * squared;
       sum.weights += robust;
+    }
+    if constexpr (kHasLens) {
+      const Eigen::Array3d sigma{prior_.offset, prior_.offset, prior_.radial};
+      const Eigen::Vector3d prior = 1 / (sigma * sigma);
+      sum.hessian.diagonal().template tail<kLensUnknowns>() += prior;
+      sum.gradient.template tail<kLensUnknowns>() +=
+          prior.cwiseProduct(at.lens);
     }
     return sum;
   }
@@ -85,18 +101,41 @@ class RayResiduals {
  private:
   using Derivatives = Eigen::Matrix<double, kOfOne, kUnknowns>;
 
+  Eigen::Vector2d ResidualAt(const Unknowns& at, double scale, geometry::Vec3 p,
+                             size_t i) const {
+    const Eigen::Vector2d image{p.x / p.z, p.y / p.z};
+    const Eigen::Vector2d ray{scene_.ray[i].x, scene_.ray[i].y};
+    if constexpr (!kHasLens) return scale * image - ray;
+    return scale * (1 + at.lens.z() * image.squaredNorm()) * image +
+           at.lens.head<2>() - ray;
+  }
+
   // Of the point's image under the sought focal length, in units of the rays.
-  static Derivatives DerivativesAt(geometry::Vec3 p, double scale) {
+  static Derivatives DerivativesAt(geometry::Vec3 p, double scale,
+                                   double radial) {
     const double iz = 1 / p.z;
     const double x = p.x * iz;
     const double y = p.y * iz;
-    Derivatives j;
+    Eigen::Matrix<double, kOfOne, kLensIndex> j;
     j << iz, 0, -x * iz, -x * y, 1 + x * x, -y, x,  //
         0, iz, -y * iz, -1 - y * y, x * y, x, y;
-    return scale * j;
+    if constexpr (!kHasLens) return scale * j;
+    const Eigen::Vector2d image{x, y};
+    const double distortion = 1 + radial * image.squaredNorm();
+    Derivatives all;
+    all.template leftCols<kFocalIndex>() =
+        scale *
+        (distortion * Eigen::Matrix2d::Identity() +
+         2 * radial * image * image.transpose()) *
+        j.leftCols<kFocalIndex>();
+    all.col(kFocalIndex) = scale * distortion * image;
+    all.template middleCols<2>(kLensIndex).setIdentity();
+    all.col(kUnknowns - 1) = scale * image.squaredNorm() * image;
+    return all;
   }
 
   const RayPredictions& scene_;
+  const LensPrior prior_;
 };
 
 // Distances in space of measured points and their nearest predictions.
@@ -189,7 +228,10 @@ bool Move(const Vector<kUnknowns>& step, Unknowns& at) {
       turn * at.camera_from_world.translation +
           geometry::Vec3{step[0], step[1], step[2]}};
   at.log_focal += step[kFocalIndex];
-  if constexpr (kUnknowns > kDepthIndex) at.log_depth += step[kDepthIndex];
+  if constexpr (kUnknowns == kDepthIndex + 1) at.log_depth += step[kDepthIndex];
+  if constexpr (kUnknowns == kLensIndex + kLensUnknowns) {
+    at.lens += step.template tail<kLensUnknowns>();
+  }
   return geometry::IsFinite(at.camera_from_world) &&
          std::isfinite(at.log_depth) &&
          std::abs(at.log_focal) < kMaxLogFocalScale;
@@ -203,13 +245,25 @@ struct Descent {
   double min_rcond = 0;
 };
 
+template <int kUnknowns>
+struct Minimum {
+  Unknowns at;
+  Matrix<kUnknowns> hessian;
+  double variance = 1;  // of a residual, in units of what is stated of it
+
+  Matrix<kUnknowns> Covariance() const {
+    return variance * hessian.ldlt().solve(Matrix<kUnknowns>::Identity());
+  }
+};
+
 template <typename Residuals>
-std::optional<FocalEstimate> Minimize(const Residuals& residuals,
-                                      const geometry::Rigid3& world_from_camera,
-                                      const Descent& descent) {
+std::optional<Minimum<Residuals::kUnknowns>> Minimize(
+    const Residuals& residuals, const geometry::Rigid3& world_from_camera,
+    const Descent& descent) {
   constexpr int kUnknowns = Residuals::kUnknowns;
-  Unknowns at{.camera_from_world = world_from_camera.Inverse()};
-  double variance = 0;
+  Minimum<kUnknowns> minimum{
+      .at = {.camera_from_world = world_from_camera.Inverse()}, .hessian = {}};
+  Unknowns& at = minimum.at;
   for (int i = 0; i < descent.iterations; ++i) {
     const double progress = std::min(1.0, 2.0 * i / descent.iterations);
     const Sum<kUnknowns> sum =
@@ -225,13 +279,45 @@ std::optional<FocalEstimate> Minimize(const Residuals& residuals,
     if (!Move<kUnknowns>(step, at)) return std::nullopt;
     const double degrees =
         std::max(1.0, Residuals::kOfOne * sum.weights - kUnknowns);
-    variance =
-        factors.solve(Vector<kUnknowns>::Unit(kFocalIndex))[kFocalIndex] *
-        std::max(1.0, sum.value / degrees);
+    minimum.hessian = sum.hessian;
+    minimum.variance = std::max(1.0, sum.value / degrees);
   }
+  return minimum;
+}
+
+template <int kUnknowns>
+std::optional<FocalEstimate> FocalOf(
+    const std::optional<Minimum<kUnknowns>>& minimum) {
+  if (!minimum) return std::nullopt;
+  const double variance =
+      minimum->variance * minimum->hessian.ldlt().solve(Vector<kUnknowns>::Unit(
+                              kFocalIndex))[kFocalIndex];
   // Rounding may leave nothing of it where the focal length is hardly told.
   if (!(variance > 0)) return std::nullopt;
-  return FocalEstimate{std::exp(at.log_focal), std::sqrt(variance)};
+  return FocalEstimate{std::exp(minimum->at.log_focal), std::sqrt(variance)};
+}
+
+// `covariance` is of a step (v, w); the camera in the world moves by -R v and
+// turns by -R w.
+geometry::PoseCovariance InWorld(const Eigen::Matrix<double, 6, 6>& covariance,
+                                 const geometry::Rigid3& camera_from_world) {
+  const geometry::Mat3 r = camera_from_world.Inverse().rotation.Matrix();
+  Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
+  turn.topLeftCorner<3, 3>() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+          r.m.data());
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  geometry::PoseCovariance result{};
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(result.data()) =
+      turn * covariance * turn.transpose();
+  return result;
+}
+
+Descent RayDescent(double robust_scale) {
+  return {.iterations = kFocalIterations,
+          .robust_scale = robust_scale,
+          .initial_scale = kInitialFocalRobustScale,
+          .min_rcond = kMinRayRcond};
 }
 
 }  // namespace
@@ -239,21 +325,43 @@ std::optional<FocalEstimate> Minimize(const Residuals& residuals,
 std::optional<FocalEstimate> EstimateFocal(
     const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
     double robust_scale) {
-  return Minimize(RayResiduals(scene), world_from_camera,
-                  {.iterations = kFocalIterations,
-                   .robust_scale = robust_scale,
-                   .initial_scale = kInitialFocalRobustScale,
-                   .min_rcond = kMinRayRcond});
+  return FocalOf(Minimize(RayResiduals<7>(scene), world_from_camera,
+                          RayDescent(robust_scale)));
+}
+
+std::optional<LensEstimate> EstimateLens(
+    const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
+    double robust_scale, const LensPrior& prior) {
+  constexpr int kUnknowns = kLensIndex + kLensUnknowns;
+  const auto minimum = Minimize(RayResiduals<kUnknowns>(scene, prior),
+                                world_from_camera, RayDescent(robust_scale));
+  const std::optional<FocalEstimate> focal = FocalOf(minimum);
+  if (!focal) return std::nullopt;
+  const Matrix<kUnknowns> covariance = minimum->Covariance();
+  const Matrix<6> with_camera =
+      minimum->variance * minimum->hessian.topLeftCorner<6, 6>().ldlt().solve(
+                              Matrix<6>::Identity());
+  const Eigen::Vector3d& lens = minimum->at.lens;
+  LensEstimate estimate{
+      .focal = *focal,
+      .offset_x = lens.x(),
+      .offset_y = lens.y(),
+      .radial = lens.z(),
+      .added = InWorld(covariance.topLeftCorner<6, 6>() - with_camera,
+                       minimum->at.camera_from_world)};
+  Eigen::Map<Eigen::Matrix3d>(estimate.covariance.data()) =
+      covariance.bottomRightCorner<kLensUnknowns, kLensUnknowns>();
+  return estimate;
 }
 
 std::optional<FocalEstimate> EstimateFocal(
     const PointPredictions& scene, const geometry::Rigid3& world_from_camera) {
   std::optional<FocalEstimate> estimate =
-      Minimize(PointResiduals(scene), world_from_camera,
-               {.iterations = kPointFocalIterations,
-                .robust_scale = PointRefinementOptions{}.robust_scale_m,
-                .initial_scale = kInitialPointFocalRobustScale,
-                .min_rcond = kMinPointRcond});
+      FocalOf(Minimize(PointResiduals(scene), world_from_camera,
+                       {.iterations = kPointFocalIterations,
+                        .robust_scale = PointRefinementOptions{}.robust_scale_m,
+                        .initial_scale = kInitialPointFocalRobustScale,
+                        .min_rcond = kMinPointRcond}));
   if (estimate) estimate->sigma = std::hypot(estimate->sigma, kPointFocalBias);
   return estimate;
 }

@@ -71,6 +71,73 @@ TEST(FocalEstimate, AWallInFrontSaysNothing) {
   EXPECT_TRUE(!estimate || estimate->sigma > 0.02) << estimate->sigma;
 }
 
+constexpr LensPrior kAnyLens = {.offset = 0.2, .radial = 0.15};
+
+// Rays of a lens, as a pinhole camera without its lens takes them.
+RayPredictions SeenThrough(geometry::Vec3 lens, double noise_px,
+                           double nearest_m, double farthest_m) {
+  RayPredictions scene = Seen(1, noise_px, nearest_m, farthest_m);
+  for (camera::Pixel& ray : scene.ray) {
+    const double bent = 1 + lens.z * (ray.x * ray.x + ray.y * ray.y);
+    ray = {1.1 * bent * ray.x + lens.x, 1.1 * bent * ray.y + lens.y};
+  }
+  return scene;
+}
+
+std::optional<LensEstimate> EstimateNear(const RayPredictions& scene) {
+  return EstimateLens(scene, {}, 3 / kFocal_px, kAnyLens);
+}
+
+TEST(EstimateLens, FindsWhatRaysWereMadeWith) {
+  for (const geometry::Vec3 lens :
+       {geometry::Vec3{0, 0, 0}, geometry::Vec3{0.1, -0.05, 0},
+        geometry::Vec3{0, 0, -0.2}, geometry::Vec3{-0.08, 0.02, 0.15}}) {
+    const auto estimate = EstimateNear(SeenThrough(lens, 0, 1, 4));
+    ASSERT_TRUE(estimate.has_value());
+    EXPECT_NEAR(estimate->focal.scale, 1.1, 1e-3);
+    EXPECT_NEAR(estimate->offset_x, lens.x, 1e-3);
+    EXPECT_NEAR(estimate->offset_y, lens.y, 1e-3);
+    EXPECT_NEAR(estimate->radial, lens.z, 1e-3);
+  }
+}
+
+TEST(EstimateLens, SaysHowWellItIsKnown) {
+  const auto deep = EstimateNear(SeenThrough({0.1, 0, -0.1}, 1, 1, 4));
+  const auto shallow = EstimateNear(SeenThrough({0.1, 0, -0.1}, 1, 2.9, 3.1));
+  ASSERT_TRUE(deep.has_value() && shallow.has_value());
+  const auto sigma = [](const LensEstimate& of, size_t i) {
+    return std::sqrt(of.covariance[4 * i]);
+  };
+  EXPECT_LT(std::abs(deep->offset_x - 0.1), 3 * sigma(*deep, 0));
+  EXPECT_LT(std::abs(deep->radial + 0.1), 3 * sigma(*deep, 2));
+  EXPECT_LT(sigma(*deep, 0), 0.03);
+  EXPECT_LT(sigma(*deep, 2), 0.03);
+  EXPECT_GT(sigma(*shallow, 0), 2 * sigma(*deep, 0));
+  // Position, along the axis and across it.
+  for (const size_t i : {0, 7, 14}) {
+    EXPECT_GT(deep->added[i], 0);
+    EXPECT_GT(shallow->added[i], 4 * deep->added[i]);
+  }
+}
+
+TEST(EstimateLens, WhatItAddsToAPoseIsOfTheWorldsAxes) {
+  const RayPredictions scene = SeenThrough({0.1, 0, -0.1}, 1, 1, 4);
+  // The world's y is the camera's x.
+  const geometry::Rigid3 world_from_camera{
+      geometry::Rotation3::FromAxisAngle({0, 0, std::acos(0.0)}), {1, 2, 3}};
+  RayPredictions elsewhere = scene;
+  for (ScenePrediction& prediction : elsewhere.predictions) {
+    prediction.mean_in_world = world_from_camera * prediction.mean_in_world;
+  }
+  const auto here = EstimateNear(scene);
+  const auto there =
+      EstimateLens(elsewhere, world_from_camera, 3 / kFocal_px, kAnyLens);
+  ASSERT_TRUE(here.has_value() && there.has_value());
+  EXPECT_NEAR(there->added[7] / here->added[0], 1, 1e-6);
+  EXPECT_NEAR(there->added[0] / here->added[7], 1, 1e-6);
+  EXPECT_NEAR(there->added[14] / here->added[14], 1, 1e-6);
+}
+
 // The same points, measured by a depth camera whose true focal length is
 // `scale` times the stated one, and whose true depth is `depth_scale` times
 // what it measures; of every `outlier_every` one the prediction is anywhere.

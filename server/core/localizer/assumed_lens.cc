@@ -1,0 +1,88 @@
+#include "server/core/localizer/assumed_lens.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "Eigen/Cholesky"
+#include "Eigen/Core"
+#include "Eigen/LU"
+#include "common/base/status_macros.h"
+#include "common/camera/derived_camera.h"
+#include "server/core/localizer/parameters.h"
+
+namespace treeline::localizer {
+namespace {
+
+// A usual lens on a whole picture, and any.
+struct Priors {
+  pose::LensPrior usual;
+  pose::LensPrior any;
+};
+
+Priors PriorsOf(const camera::Camera& camera) {
+  const double longer_side =
+      std::max(camera.width(), camera.height()) / MeanFocal_px(camera);
+  return {
+      .usual = {.offset = kUsualOffset * longer_side, .radial = kUsualRadial},
+      .any = {.offset = kAnyOffset * longer_side, .radial = kAnyRadial}};
+}
+
+// How much more probable it is that some of the lens's unknowns, of `count`
+// from `first` on, are usual after the features were seen than before (Savage's
+// and Dickey's ratio of densities), times the odds before.
+bool AreUsual(const pose::LensEstimate& found, const Priors& priors, int first,
+              int count) {
+  const Eigen::Map<const Eigen::Matrix3d> all(found.covariance.data());
+  const Eigen::Vector3d at{found.offset_x, found.offset_y, found.radial};
+  const Eigen::Vector3d usual{priors.usual.offset, priors.usual.offset,
+                              priors.usual.radial};
+  const Eigen::Vector3d any{priors.any.offset, priors.any.offset,
+                            priors.any.radial};
+  Eigen::MatrixXd covariance = all.block(first, first, count, count);
+  covariance.diagonal() += usual.segment(first, count).cwiseAbs2();
+  const double determinant = covariance.determinant();
+  if (!(determinant > 0)) return false;
+  const Eigen::VectorXd mean = at.segment(first, count);
+  const double squared_sigmas = mean.dot(covariance.ldlt().solve(mean));
+  return kUsualLensOdds * any.segment(first, count).prod() /
+             std::sqrt(determinant) * std::exp(-squared_sigmas / 2) >=
+         kMinUsualLensOdds;
+}
+
+}  // namespace
+
+std::optional<AssumedLens> FindAssumedLens(
+    const pose::RayPredictions& scene,
+    const geometry::Rigid3& world_from_camera, double robust_scale,
+    const camera::Camera& assumed) {
+  const Priors priors = PriorsOf(assumed);
+  const auto estimate = [&](const pose::LensPrior& prior) {
+    return pose::EstimateLens(scene, world_from_camera, robust_scale, prior);
+  };
+  const std::optional<pose::LensEstimate> any = estimate(priors.any);
+  if (!any) return std::nullopt;
+  if (AreUsual(*any, priors, 0, 3)) return AssumedLens{*any, true};
+  const bool is_straight = AreUsual(*any, priors, 2, 1);
+  const bool is_centred = AreUsual(*any, priors, 0, 2);
+  if (is_straight == is_centred) return AssumedLens{*any};
+  const std::optional<pose::LensEstimate> one = estimate(
+      {.offset = is_centred ? priors.usual.offset : priors.any.offset,
+       .radial = is_straight ? priors.usual.radial : priors.any.radial});
+  if (!one) return std::nullopt;
+  return AssumedLens{*one};
+}
+
+absl::StatusOr<camera::Camera> WithLens(const camera::Camera& assumed,
+                                        const pose::LensEstimate& found) {
+  TL_ASSIGN_OR_RETURN(
+      const camera::Camera bent,
+      camera::WithRadialAdded(
+          assumed, found.radial / (found.focal.scale * found.focal.scale)));
+  TL_ASSIGN_OR_RETURN(const camera::Camera scaled,
+                      camera::WithFocalScaled(bent, found.focal.scale));
+  return camera::WithPrincipalPointMoved(scaled, found.offset_x * assumed.fx(),
+                                         found.offset_y * assumed.fy());
+}
+
+}  // namespace treeline::localizer
