@@ -90,9 +90,9 @@ struct LocalizeAnswer {
   // The pose is of a camera whose focal length is so many times the stated one,
   // since that fits better; 1: the stated one fits.
   double focal_scale = 1;
-  // If localized by a picture of which no camera was stated and that is not as
-  // large as the scene's: the camera that the pose is of. Its focal length was
-  // found by what is seen.
+  // If localized by a picture of which no camera was stated, or a guess that
+  // does not fit: the camera that the pose is of, found by what is seen.
+  // nullopt: the stated one, or the scene's.
   std::optional<camera::Camera> camera;
   // The pose is that of depth that is so many times as large as what was sent,
   // since that fits better; 1: it fits as it is.

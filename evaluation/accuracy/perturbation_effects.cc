@@ -337,7 +337,13 @@ absl::Status WrongFocalLength(double factor, base::Random& /*random*/,
   return absl::OkStatus();
 }
 
-absl::Status AssumedLens(double factor, base::Random& /*random*/,
+absl::Status AssumedLens(double factor, base::Random& random,
+                         PerturbedFrame& view) {
+  view.frame.is_camera_assumed = true;
+  return GuessedLens(factor, random, view);
+}
+
+absl::Status GuessedLens(double factor, base::Random& /*random*/,
                          PerturbedFrame& view) {
   camera::RgbdCalibration& calibration = *view.frame.calibration;
   const bool registered = IsRegistered(calibration);
@@ -351,7 +357,6 @@ absl::Status AssumedLens(double factor, base::Random& /*random*/,
                              color.height(), parameters.data(),
                              parameters.size()));
   if (registered) calibration.depth = calibration.color;
-  view.frame.is_camera_assumed = true;
   return absl::OkStatus();
 }
 

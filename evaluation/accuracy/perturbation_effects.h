@@ -70,6 +70,9 @@ absl::Status WrongFocalLength(double factor, base::Random& random,
 // whose focal length is this factor of the true one.
 absl::Status AssumedLens(double factor, base::Random& random,
                          PerturbedFrame& view);
+// Such a pinhole is stated, as by who knows no better.
+absl::Status GuessedLens(double factor, base::Random& random,
+                         PerturbedFrame& view);
 
 // Orientation.
 // Both cameras clockwise about their optical axes, by a multiple of 90 degrees.

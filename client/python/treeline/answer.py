@@ -93,9 +93,9 @@ class Answer:
     # The pose is of a camera whose focal length is so many times the stated
     # one, since that fits better; 1: the stated one fits.
     focal_scale: float
-    # If localized by a picture of which no camera was stated and that is not as
-    # large as the scene's: the camera that the pose is of. Its focal length was
-    # found by what is seen. None: the stated one, or the scene's.
+    # If localized by a picture of which no camera was stated, or a guess that
+    # does not fit: the camera that the pose is of, found by what is seen. None:
+    # the stated one, or the scene's.
     camera: Camera | None
     # The pose is that of depth that is so many times as large as what was sent,
     # since that fits better; 1: it fits as it is.

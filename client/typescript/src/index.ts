@@ -2,7 +2,7 @@
 
 export * from './camera/arcore.js';
 export * from './camera/arkit.js';
-export { cropped, gravityInCamera, pinhole, resized, type Camera,
+export { cropped, gravityInCamera, pinhole, pinholeOf, resized, type Camera,
   type CameraModel, type Pinhole } from './camera/camera.js';
 export * from './camera/colmap.js';
 export * from './camera/opencv.js';

@@ -28,11 +28,11 @@ Priors PriorsOf(const camera::Camera& camera) {
       .any = {.offset = kAnyOffset * longer_side, .radial = kAnyRadial}};
 }
 
-// How much more probable it is that some of the lens's unknowns, of `count`
-// from `first` on, are usual after the features were seen than before (Savage's
-// and Dickey's ratio of densities), times the odds before.
-bool AreUsual(const pose::LensEstimate& found, const Priors& priors, int first,
-              int count) {
+// The odds that some of the lens's unknowns, of `count` from `first` on, are
+// usual: those before features were seen times how much more probable it is
+// after (Savage's and Dickey's ratio of densities).
+double UsualOdds(const pose::LensEstimate& found, const Priors& priors,
+                 int first, int count) {
   const Eigen::Map<const Eigen::Matrix3d> all(found.covariance.data());
   const Eigen::Vector3d at{found.offset_x, found.offset_y, found.radial};
   const Eigen::Vector3d usual{priors.usual.offset, priors.usual.offset,
@@ -42,12 +42,11 @@ bool AreUsual(const pose::LensEstimate& found, const Priors& priors, int first,
   Eigen::MatrixXd covariance = all.block(first, first, count, count);
   covariance.diagonal() += usual.segment(first, count).cwiseAbs2();
   const double determinant = covariance.determinant();
-  if (!(determinant > 0)) return false;
+  if (!(determinant > 0)) return 0;
   const Eigen::VectorXd mean = at.segment(first, count);
   const double squared_sigmas = mean.dot(covariance.ldlt().solve(mean));
   return kUsualLensOdds * any.segment(first, count).prod() /
-             std::sqrt(determinant) * std::exp(-squared_sigmas / 2) >=
-         kMinUsualLensOdds;
+         std::sqrt(determinant) * std::exp(-squared_sigmas / 2);
 }
 
 }  // namespace
@@ -55,16 +54,16 @@ bool AreUsual(const pose::LensEstimate& found, const Priors& priors, int first,
 std::optional<AssumedLens> FindAssumedLens(
     const pose::RayPredictions& scene,
     const geometry::Rigid3& world_from_camera, double robust_scale,
-    const camera::Camera& assumed) {
+    const camera::Camera& assumed, double min_odds) {
   const Priors priors = PriorsOf(assumed);
   const auto estimate = [&](const pose::LensPrior& prior) {
     return pose::EstimateLens(scene, world_from_camera, robust_scale, prior);
   };
   const std::optional<pose::LensEstimate> any = estimate(priors.any);
   if (!any) return std::nullopt;
-  if (AreUsual(*any, priors, 0, 3)) return AssumedLens{*any, true};
-  const bool is_straight = AreUsual(*any, priors, 2, 1);
-  const bool is_centred = AreUsual(*any, priors, 0, 2);
+  if (UsualOdds(*any, priors, 0, 3) >= min_odds) return AssumedLens{*any, true};
+  const bool is_straight = UsualOdds(*any, priors, 2, 1) >= kMinUsualLensOdds;
+  const bool is_centred = UsualOdds(*any, priors, 0, 2) >= kMinUsualLensOdds;
   if (is_straight == is_centred) return AssumedLens{*any};
   const std::optional<pose::LensEstimate> one = estimate(
       {.offset = is_centred ? priors.usual.offset : priors.any.offset,

@@ -1,9 +1,9 @@
-// Whether a picture of which no camera is stated was taken as is assumed: as a
-// whole, through a lens that does not distort. Often it is a window of a larger
-// one, as whoever cuts off what does not matter makes it, and the principal
-// point is not in the middle; or it is a webcam's, and straight lines are bent.
-// A pose that takes it for what it is not is wrong, and features agree all the
-// same.
+// Whether a picture of which no camera is stated, or a guess, was taken as is
+// assumed: as a whole, through a lens that does not distort. Often it is a
+// window of a larger one, as whoever cuts off what does not matter makes it,
+// and the principal point is not in the middle; or it is a webcam's, and
+// straight lines are bent. A pose that takes it for what it is not is wrong,
+// and features agree all the same.
 #ifndef SERVER_CORE_LOCALIZER_ASSUMED_LENS_H_
 #define SERVER_CORE_LOCALIZER_ASSUMED_LENS_H_
 
@@ -19,17 +19,17 @@ namespace treeline::localizer {
 struct AssumedLens {
   // As little differs from what is assumed as features allow.
   pose::LensEstimate found;
-  // Nothing does, with good odds. Where features hardly tell it is false: there
-  // may be much that they do not see.
+  // Nothing does, with the odds that were asked for.
   bool is_as_assumed = false;
 };
 
 // By features that support the pose of the colour camera, which is assumed.
-// See EstimateLens.
+// See EstimateLens. With `min_odds` above 1 features have to tell that it is as
+// assumed, with less they have to tell that it is not.
 std::optional<AssumedLens> FindAssumedLens(
     const pose::RayPredictions& scene,
     const geometry::Rigid3& world_from_camera, double robust_scale,
-    const camera::Camera& assumed);
+    const camera::Camera& assumed, double min_odds);
 
 // `assumed` with the focal length, the principal point and the distortion that
 // were found. INVALID_ARGUMENT unless that makes a camera, and for fisheyes.

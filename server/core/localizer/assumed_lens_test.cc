@@ -53,7 +53,8 @@ class AssumedLensTest : public testing::Test {
                                   double share = 1) {
     const camera::Camera camera = Parse(true_camera);
     return FindAssumedLens(Seen(camera, assumed_, points, share),
-                           PoseBy(camera, assumed_), 3 / kFocal_px, assumed_);
+                           PoseBy(camera, assumed_), 3 / kFocal_px, assumed_,
+                           min_odds_);
   }
   // The camera that is found in two rounds.
   camera::Camera Corrected(const char* true_camera) {
@@ -67,6 +68,7 @@ class AssumedLensTest : public testing::Test {
     return assumed_;
   }
 
+  double min_odds_ = 30;
   camera::Camera assumed_ = Parse("SIMPLE_PINHOLE,500,319.5,239.5");
 };
 
@@ -110,6 +112,10 @@ TEST_F(AssumedLensTest, TheLensOfTheScenesCameraCounts) {
 TEST_F(AssumedLensTest, FeaturesInAPartOfThePictureDoNotSayThatItIsWhole) {
   const auto few = Find("SIMPLE_PINHOLE,500,319.5,239.5", 40, 0.15);
   EXPECT_TRUE(!few || !few->is_as_assumed);
+  // Nor that it is not.
+  min_odds_ = 0.03;
+  EXPECT_TRUE(Find("SIMPLE_PINHOLE,500,319.5,239.5", 40, 0.15)->is_as_assumed);
+  EXPECT_FALSE(Find("SIMPLE_PINHOLE,500,250,280")->is_as_assumed);
   EXPECT_FALSE(Find("SIMPLE_PINHOLE,500,319.5,239.5", 3).has_value());
 }
 

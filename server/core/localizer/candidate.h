@@ -28,7 +28,7 @@ struct Candidate {
   // What it was sought with says of the focal length that the query states:
   // matched features, or measured points of the colour camera.
   std::optional<pose::FocalEstimate> focal;
-  // Of matched features, where no camera is stated.
+  // Of matched features, where no camera is stated, or a guess.
   std::optional<AssumedLens> lens;
   // Of the features that support the pose, the share that is like nothing
   // elsewhere in the scene, in [0, 1]; see CountDistinct.

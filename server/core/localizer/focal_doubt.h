@@ -16,7 +16,7 @@ struct FocalEvidence {
   std::optional<pose::FocalEstimate> features = std::nullopt;
   // Points that the colour camera measured.
   std::optional<pose::FocalEstimate> points = std::nullopt;
-  // The same features', where no camera is stated.
+  // The same features', where no camera is stated, or a guess.
   std::optional<AssumedLens> lens = std::nullopt;
 };
 

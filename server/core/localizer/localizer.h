@@ -88,7 +88,8 @@ struct PoseEstimate {
   // (or the scene's), since that fits what was seen better; 1: the stated one
   // fits.
   double focal_scale = 1;
-  // Where nobody stated a camera, the one that the pose is of.
+  // Where nobody stated a camera, or a guess whose lens does not fit, the one
+  // that the pose is of.
   std::optional<camera::Camera> found_camera;
   // By how many standard deviations, as they state them, matched features speak
   // for another focal length than the stated one; 0: they do not tell.

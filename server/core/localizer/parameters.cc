@@ -77,6 +77,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kAnyRadial),
           base::RowOf(kUsualLensOdds),
           base::RowOf(kMinUsualLensOdds),
+          base::RowOf(kMinGuessedLensOdds),
           base::RowOf(kMaxLensRounds),
           base::RowOf(kMaxLensSigma),
           base::RowOf(kMaxDepthRounds),

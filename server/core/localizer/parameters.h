@@ -568,6 +568,14 @@ inline constexpr base::Parameter<double> kMinUsualLensOdds{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "a usual lens on a whole picture needs them"};
+inline constexpr base::Parameter<double> kMinGuessedLensOdds{
+    .name = "min_guessed_lens_odds",
+    .value = 10,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and one that may be a guess these, the odds before anything was "
+        "seen: features do not speak against it"};
 inline constexpr base::Parameter<int> kMaxLensRounds{
     .name = "max_lens_rounds",
     .value = 2,

@@ -310,6 +310,8 @@ Query Pipeline::Ask(const image::Frame& frame,
   query.set_focal_open(method_.focal_use == FocalUse::kCorrected ||
                        (method_.focal_use == FocalUse::kSoughtWhereAssumed &&
                         frame.is_camera_assumed));
+  query.set_lens_open(query.is_focal_open() && query.is_focal_doubtful() &&
+                      query.depth() == nullptr && TellsLenses());
   query.set_feature_reduction(FeatureReduction(calibration.color, learnt));
   query.set_depth_scale_open(method_.depth_use == DepthUse::kWhereGiven &&
                              query.depth() != nullptr);
@@ -363,6 +365,8 @@ absl::StatusOr<camera::Camera> Pipeline::AskAgainWithLens(
     if (!camera.ok()) break;
     last = WithColor(last, *camera);
     Query query = Ask(frame, last, options, scratch);
+    query.set_focal_doubtful();
+    query.set_lens_open(true);
     Corrections corrections;
     TL_ASSIGN_OR_RETURN(found.selection,
                         SelectWithAnyCalibration(method_, query, corrections));
@@ -370,19 +374,22 @@ absl::StatusOr<camera::Camera> Pipeline::AskAgainWithLens(
     TL_ASSIGN_OR_RETURN(last, WithFocal(last, corrections.focal_scale));
     found.lens = lens->found;
   }
-  found.corrections.focal_scale =
-      camera::MeanFocal_px(last.color) / camera::MeanFocal_px(assumed.color);
+  if (found.lens) {
+    found.corrections.focal_scale =
+        camera::MeanFocal_px(last.color) / camera::MeanFocal_px(assumed.color);
+  }
   return last.color;
 }
 
-// It has to be found by features, in a scene of which it was measured how well
-// they do that.
+bool Pipeline::TellsLenses() const {
+  return method_.focal_sigma_scale &&
+         *method_.focal_sigma_scale <= kMaxAssumedSigmaScale;
+}
+
 bool Pipeline::IsAssumedRightly(const Found& found,
                                 PoseEstimate& estimate) const {
   const FocalEvidence& focal = found.selection.focal;
-  if (!method_.focal_sigma_scale ||
-      *method_.focal_sigma_scale > kMaxAssumedSigmaScale || !focal.lens ||
-      !focal.lens->is_as_assumed ||
+  if (!focal.lens || !focal.lens->is_as_assumed ||
       !IsGuessConfirmed(focal,
                         kMaxAssumedFocalSigma / *method_.focal_sigma_scale)) {
     return false;
@@ -431,24 +438,27 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   Found found;
   TL_ASSIGN_OR_RETURN(found.selection, SelectWithAnyCalibration(
                                            method_, query, found.corrections));
-  std::optional<camera::Camera> assumed;
   if (frame.is_camera_assumed) {
     TL_RETURN_IF_ERROR(
         AskAgainWithFocal(frame, calibration, options, *scratch, found));
-    TL_ASSIGN_OR_RETURN(assumed, AskAgainWithLens(frame, calibration, options,
-                                                  *scratch, found));
+  }
+  std::optional<camera::Camera> camera;
+  if (query.is_lens_open()) {
+    TL_ASSIGN_OR_RETURN(
+        camera, AskAgainWithLens(frame, calibration, options, *scratch, found));
   }
   TL_RETURN_IF_ERROR(
       TryOtherCameras(frame, calibration, options, *scratch, found));
   PoseEstimate estimate =
       Report(std::move(found.selection.candidate),
              found.selection.verdict ? &*found.selection.verdict : nullptr);
-  if (assumed && estimate.outcome == Outcome::kLocalized &&
+  const bool is_found = frame.is_camera_assumed || found.lens;
+  if (is_found && estimate.outcome == Outcome::kLocalized &&
       !IsAssumedRightly(found, estimate)) {
     estimate.outcome = Outcome::kNotLocalized;
     estimate.reason = NotLocalizedReason::kUnknownCamera;
   }
-  estimate.found_camera = assumed;
+  if (is_found) estimate.found_camera = camera;
   estimate.focal_scale = found.corrections.focal_scale;
   estimate.focal_error_sigmas = found.corrections.focal_error_sigmas;
   estimate.depth_scale = found.corrections.depth_scale;

@@ -109,7 +109,7 @@ class Pipeline final : public Localizer {
     Corrections corrections;
     // Of queries of other cameras.
     LocalizeTimings timings;
-    // Of an assumed camera, what its lens had to be corrected by.
+    // What the lens of a camera that nobody knows had to be corrected by.
     std::optional<pose::LensEstimate> lens = std::nullopt;
   };
   Query Ask(const image::Frame& frame,
@@ -130,6 +130,8 @@ class Pipeline final : public Localizer {
       const image::Frame& frame, const camera::RgbdCalibration& assumed,
       const LocalizeOptions& options, QueryScratch& scratch,
       Found& found) const;
+  // Whether features of this scene tell what a camera is like, by its trials.
+  bool TellsLenses() const;
   // Whether the camera, which nobody stated, is what was seen with. Where its
   // lens was found, the answer's covariance gets to know of the doubt in it.
   bool IsAssumedRightly(const Found& found, PoseEstimate& estimate) const;

@@ -1,5 +1,7 @@
 #include "server/core/localizer/pose_source.h"
 
+#include "server/core/localizer/parameters.h"
+
 namespace treeline::localizer {
 namespace {
 
@@ -51,9 +53,10 @@ std::optional<AssumedLens> LensOf(const Query& query,
                                   const pose::RayPredictions& scene,
                                   const pose::RefinedPose& pose,
                                   double robust_scale) {
-  if (!query.is_camera_assumed()) return std::nullopt;
-  return FindAssumedLens(scene, pose.world_from_camera, robust_scale,
-                         query.camera());
+  if (!query.is_lens_open()) return std::nullopt;
+  return FindAssumedLens(
+      scene, pose.world_from_camera, robust_scale, query.camera(),
+      query.is_camera_assumed() ? kMinUsualLensOdds : kMinGuessedLensOdds);
 }
 
 }  // namespace treeline::localizer

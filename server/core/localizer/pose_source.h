@@ -54,7 +54,7 @@ std::vector<Correspondence> CorrespondencesOf(
 std::vector<Correspondence> MatchesOf(
     const RayObservations& seen, const std::optional<pose::RefinedPose>& pose);
 
-// See Candidate::lens; nullopt where a camera is stated.
+// See Candidate::lens; nullopt where the stated camera is no guess.
 std::optional<AssumedLens> LensOf(const Query& query,
                                   const pose::RayPredictions& scene,
                                   const pose::RefinedPose& pose,

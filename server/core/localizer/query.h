@@ -87,6 +87,9 @@ class Query {
   // Another focal length than the stated one may be the answer's.
   bool is_focal_open() const { return is_focal_open_; }
   void set_focal_open(bool open) { is_focal_open_ = open; }
+  // Another lens may be, too.
+  bool is_lens_open() const { return is_lens_open_; }
+  void set_lens_open(bool open) { is_lens_open_ = open; }
   // The scale of depth is still open: where one explains what is seen better,
   // depth is measured anew by it.
   bool is_depth_scale_open() const { return is_depth_scale_open_; }
@@ -115,6 +118,7 @@ class Query {
   double pixel_ = 0;
   bool is_focal_doubtful_ = false;
   bool is_focal_open_ = false;
+  bool is_lens_open_ = false;
   bool is_depth_scale_open_ = false;
   int feature_reduction_ = 1;
   QueryScratch& scratch_;

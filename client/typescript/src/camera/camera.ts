@@ -50,6 +50,16 @@ const focalLengths = ({ model }: Camera): 1 | 2 =>
   ['SIMPLE_PINHOLE', 'SIMPLE_RADIAL', 'RADIAL', 'SIMPLE_RADIAL_FISHEYE',
     'RADIAL_FISHEYE'].includes(model) ? 1 : 2;
 
+/** The camera without its distortion. */
+export function pinholeOf(camera: Camera): Pinhole {
+  const first = focalLengths(camera);
+  const [fxPx, fyPx] = [camera.parameters[0]!, camera.parameters[first - 1]!];
+  const [cxPx, cyPx] =
+    [camera.parameters[first]!, camera.parameters[first + 1]!];
+  return { widthPx: camera.widthPx, heightPx: camera.heightPx,
+    fxPx, fyPx, cxPx, cyPx };
+}
+
 /** The same camera with its principal point moved by (dxPx, dyPx). */
 export function withCentreMoved(
     camera: Camera, dxPx: number, dyPx: number): Camera {

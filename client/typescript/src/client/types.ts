@@ -136,9 +136,9 @@ export interface Evidence {
    */
   readonly focalScale: number;
   /**
-   * If localized by a picture of which no camera was stated and that is not as
-   * large as the scene's: the camera that the pose is of, whose focal length
-   * was found by what is seen. null: the stated one, or the scene's.
+   * If localized by a picture of which no camera was stated, or a guess that
+   * does not fit: the camera that the pose is of, found by what is seen. null:
+   * the stated one, or the scene's.
    */
   readonly camera: Camera | null;
   /** Who answered. */

@@ -43,7 +43,7 @@ export function locatedPictureOf(located: Located): LocatedPicture | null {
   if (!('answer' in located) || !located.answer.localized) return null;
   const { answer, stated } = located;
   return {
-    camera: answeredPinhole(stated, answer.focalScale),
+    camera: answeredPinhole(stated, answer),
     worldFromCamera: answer.worldFromCamera,
     correspondences: answer.correspondences,
   };

@@ -20,15 +20,28 @@ test('the axis goes through the middle of the picture', () => {
 
 test('the server\'s answer corrects the guess', () => {
   const stated = guessedPinhole(65, 640, 480);
-  const answered = answeredPinhole(stated, 525 / stated.fxPx);
+  const answered = answeredPinhole(
+      stated, { camera: null, focalScale: 525 / stated.fxPx });
   near(answered.fxPx, 525);
   near(focalPxOf(correctedFieldOfViewDeg(answered), 640, 480), 525);
 });
 
+test('a lens that the server found takes the place of the guess', () => {
+  const found = { model: 'SIMPLE_RADIAL', widthPx: 640, heightPx: 480,
+    parameters: [525, 300, 250, -0.1] } as const;
+  assert.deepEqual(
+      answeredPinhole(guessedPinhole(65, 640, 480),
+          { camera: found, focalScale: 1 }),
+      { widthPx: 640, heightPx: 480, fxPx: 525, fyPx: 525, cxPx: 300,
+        cyPx: 250 });
+});
+
 test('no answer makes a camera that there is not', () => {
   const stated = guessedPinhole(65, 640, 480);
-  assert.equal(correctedFieldOfViewDeg(answeredPinhole(stated, 100)), 20);
-  assert.equal(correctedFieldOfViewDeg(answeredPinhole(stated, 0.01)), 130);
+  const corrected = (focalScale: number) =>
+    correctedFieldOfViewDeg(answeredPinhole(stated, { camera: null, focalScale }));
+  assert.equal(corrected(100), 20);
+  assert.equal(corrected(0.01), 130);
 });
 
 test('pictures are made smaller, never larger, and keep their shape', () => {

@@ -1,7 +1,8 @@
 // The camera that is stated with a picture. Browsers do not tell the focal
 // length: a field of view is guessed, and the server's answers correct it.
 
-import { pinhole, type Camera, type Pinhole } from '@treeline/client';
+import { pinhole, pinholeOf, type Camera, type LocalizeAnswer, type Pinhole }
+  from '@treeline/client';
 
 /** Along the longer side. What main cameras of phones have in videos. */
 export const DEFAULT_FIELD_OF_VIEW_DEG = 65;
@@ -28,13 +29,15 @@ export function guessedPinhole(
 
 export const statedCamera = (guess: Pinhole): Camera => pinhole(guess);
 
-/** The camera that an answer's pose is of: see Evidence.focalScale. */
+/** The camera that an answer's pose is of; its distortion is small. */
 export const answeredPinhole = (
-    stated: Pinhole, focalScale: number): Pinhole => ({
+    stated: Pinhole,
+    { camera, focalScale }: Pick<LocalizeAnswer, 'camera' | 'focalScale'>):
+    Pinhole => camera !== null ? pinholeOf(camera) : {
   ...stated,
   fxPx: stated.fxPx * focalScale,
   fyPx: stated.fyPx * focalScale,
-});
+};
 
 /**
  * The field of view to state next, after an answer with a pose: the one that

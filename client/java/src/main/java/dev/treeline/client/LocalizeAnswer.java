@@ -39,9 +39,9 @@ public final class LocalizeAnswer {
   /** The pose is of a camera whose focal length is so many times the stated
    * one, since that fits better; 1: the stated one fits. */
   public final double focalScale;
-  /** If localized by a picture of which no camera was stated and that is not as
-   * large as the scene's: the camera that the pose is of, whose focal length
-   * was found by what is seen. Null: the stated one, or the scene's. */
+  /** If localized by a picture of which no camera was stated, or a guess that
+   * does not fit: the camera that the pose is of, found by what is seen. Null:
+   * the stated one, or the scene's. */
   public final Camera camera;
   /** The pose is of depth that is so many times as large; 1: it fits. */
   public final double depthScale;
