@@ -75,7 +75,7 @@ TEST_F(BetweenScansTest, TheWayLeadsFromOneKeyscanToTheNext) {
 
 TEST_F(BetweenScansTest, KeptScansAreLaidUponKeyscansAndOthersFollow) {
   // A slip that odometry does not know of: all three are beside their places.
-  for (const size_t i : {1, 2, 3}) {
+  for (size_t i = 1; i <= 3; ++i) {
     places_[i].keyscan_from_base.translation.x += 0.06;
   }
   BetweenScans scans({});
