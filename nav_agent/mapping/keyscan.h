@@ -3,6 +3,7 @@
 #define NAV_AGENT_MAPPING_KEYSCAN_H_
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "common/geometry/rigid2.h"
@@ -19,6 +20,9 @@ struct Keyscan {
   double height_m = 0;
   // Of the ground, in the base's axes.
   geometry::Vec2 slope;
+  // The keyscan before it in the front end's eyes; nullopt: none, or nobody
+  // knows the way from there.
+  std::optional<geometry::Rigid2> previous_from_this = {};
 
   ScanPlane Plane() const {
     return {.at = map_from_base.translation,

@@ -291,18 +291,25 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
   NewKeyscan added = {.scan = outline,
                       .previous_from_this = {},
                       .slope = SlopeUnder(scan.level_from_base)};
+  std::optional<geometry::Rigid2> way_from_previous;
   if (!Segment().empty()) {
     const Keyscan& previous = keyscans_.back();
     added.previous_from_this =
         previous.map_from_base.Inverse() * map_from_base_;
+    way_from_previous = added.previous_from_this;
     added.covariance =
         Turned(covariance_in_map, -previous.map_from_base.yaw_rad);
     added.climb_m = height_m_ - previous.height_m;
+    const geometry::Rigid2 motion =
+        odom_from_keyscan_.Inverse() * scan.odom_from_base;
+    added.odometry = {.previous_from_this = motion,
+                      .sigma = doubt_.SigmaOf(motion)};
   }
   keyscans_.push_back({.scan = std::move(outline),
                        .map_from_base = map_from_base_,
                        .height_m = height_m_,
-                       .slope = added.slope});
+                       .slope = added.slope,
+                       .previous_from_this = way_from_previous});
   if (!is_lost_) ground_.Add(keyscans_.back().Place());
   if (!has_matched_ && Segment().size() > 1) {
     const OdometryDoubt::Sigma sigma =
@@ -344,6 +351,15 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
   odom_from_last_ = scan.odom_from_base;
 }
 
+void LaserSlamOnThread::Finish() {
+  worker_.Finish(options_.polish_rounds);
+  ApplyCorrection();
+  if (!options_.loops.enabled || options_.polish_rounds == 0) return;
+  const size_t in_map = is_lost_ ? segment_begin_ : keyscans_.size();
+  between_.Refine(std::span(keyscans_).first(in_map), doubt_,
+                  options_.max_gap_m, options_.max_tilt, places_);
+}
+
 absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
     const LaserSlamScan& scan) {
   TL_RETURN_IF_ERROR(Check(scan));
@@ -352,6 +368,7 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
   Predict(scan);
   std::shared_ptr<const ScanOutline> outline;
   bool is_keyscan = false;
+  bool is_between = false;
   Covariance3 covariance{};
   if (keyscans_.empty()) {
     outline = OutlineOf(scan);
@@ -368,6 +385,7 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
       is_doubtful_ = false;
       if (is_keyscan || has_moved) {
         covariance = Locate(*outline, scan);
+        is_between = !is_keyscan && has_matched_;
       } else {
         Glance(*outline, scan);
       }
@@ -378,7 +396,15 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
                                                  : is_keyscan && !is_doubtful_;
     }
   }
+  if (outline == nullptr && !keyscans_.empty() &&
+      HasMoved(odom_from_between_.Inverse() * scan.odom_from_base,
+               options_.between_m, options_.between_rad)) {
+    outline = OutlineOf(scan);
+    is_between = true;
+  }
   statistics_.front_end_ms.push_back(base::ThreadProcessorTime_ms() - start_ms);
+  if (is_between) between_.Add(places_.size(), *outline);
+  if (is_between || is_keyscan) odom_from_between_ = scan.odom_from_base;
   if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
   AddPlace(scan);
   ++statistics_.scans;

@@ -3,11 +3,11 @@
 #define NAV_AGENT_MAPPING_LASER_SLAM_ON_THREAD_H_
 
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "nav_agent/mapping/between_scans.h"
 #include "nav_agent/mapping/carry_watch.h"
 #include "nav_agent/mapping/keyscan.h"
 #include "nav_agent/mapping/laser_slam.h"
@@ -19,23 +19,11 @@
 
 namespace treeline::mapping {
 
-// The keyscan of a scan of which nobody knows where it was taken.
-inline constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 // The usual response, of a running mean: where it begins.
 inline constexpr double kFirstResponse = 0.7;
 // So long before a robot is in doubt it may have been lifted, and so long after
 // it was put down it may sway (s).
 inline constexpr double kCarried_s = 0.3;
-
-// A scan's place, tied to the keyscan before it so that it moves with it.
-struct ScanPlace {
-  recording::RecordingTime stamp;
-  size_t keyscan = 0;  // or kNowhere
-  geometry::Rigid2 keyscan_from_base;
-  double climb_m = 0;  // since the keyscan
-  geometry::Rotation3 level_from_base;
-  double way_m = 0;  // in odometry, turns too
-};
 
 class LaserSlamOnThread final : public LaserSlam {
  public:
@@ -45,6 +33,7 @@ class LaserSlamOnThread final : public LaserSlam {
       : laser_(laser),
         base_from_laser_(base_from_laser),
         options_(options),
+        between_(options.loops.bundle),
         ground_(options.ground_reach_m),
         leaves_out_ground_(options.ground_margin_m > 0 &&
                            base_from_laser.translation.z >
@@ -61,10 +50,7 @@ class LaserSlamOnThread final : public LaserSlam {
   bool SuggestPlace(recording::RecordingTime stamp,
                     const geometry::Rigid2& map_from_base,
                     double height_m) override;
-  void Finish() override {
-    worker_.Finish(options_.polish_rounds);
-    ApplyCorrection();
-  }
+  void Finish() override;
   std::vector<TrajectoryPose> Trajectory() const override;
   LaserSlamStatistics Statistics() const override {
     LaserSlamStatistics statistics = statistics_;
@@ -128,6 +114,7 @@ class LaserSlamOnThread final : public LaserSlam {
   const LaserSlamOptions options_;
   std::vector<Keyscan> keyscans_;
   std::vector<ScanPlace> places_;
+  BetweenScans between_;
   geometry::Rigid2 map_from_base_;
   double height_m_ = 0;  // of the base, in the map
   double way_m_ = 0;
@@ -139,11 +126,12 @@ class LaserSlamOnThread final : public LaserSlam {
   double climb_since_match_m_ = 0;
   // The last scan's height in odometry.
   double last_height_m_ = 0;
-  // Odometry of the last scan, of the last one that was matched, and of the
-  // last keyscan.
+  // Odometry of the last scan, of the last one that was matched, of the last
+  // keyscan, and of the last that is kept for the end.
   geometry::Rigid2 odom_from_last_;
   geometry::Rigid2 odom_from_matched_;
   geometry::Rigid2 odom_from_keyscan_;
+  geometry::Rigid2 odom_from_between_;
   TraversedGround ground_;
   const bool leaves_out_ground_;
   OdometryDoubt doubt_;

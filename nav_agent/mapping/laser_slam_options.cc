@@ -8,12 +8,12 @@ absl::Status LaserSlamOptions::Validate() const {
   TL_RETURN_IF_ERROR(points.Validate());
   TL_RETURN_IF_ERROR(matcher.Validate());
   TL_RETURN_IF_ERROR(loops.Validate());
-  const bool lengths = keyscan_m > 0 && keyscan_rad > 0 && still_m > 0 &&
-                       still_rad > 0 && max_search_m > 0 &&
-                       max_search_rad > 0 && search_sigmas > 0 &&
-                       lost_search_rad > 0 && poor_response > 0 &&
-                       better_response >= 0 && max_gap_m > 0 && max_tilt > 0 &&
-                       ground_margin_m >= 0 && ground_reach_m > 0;
+  const bool lengths =
+      keyscan_m > 0 && keyscan_rad > 0 && still_m > 0 && still_rad > 0 &&
+      between_m > 0 && between_rad > 0 && max_search_m > 0 &&
+      max_search_rad > 0 && search_sigmas > 0 && lost_search_rad > 0 &&
+      poor_response > 0 && better_response >= 0 && max_gap_m > 0 &&
+      max_tilt > 0 && ground_margin_m >= 0 && ground_reach_m > 0;
   const bool noise =
       odometry.m > 0 && odometry.rad > 0 && odometry.m_per_m >= 0 &&
       odometry.m_per_rad >= 0 && odometry.rad_per_rad >= 0 &&

@@ -25,6 +25,10 @@ struct LaserSlamOptions {
   double keyscan_rad = 0.15;
   double still_m = 0.05;
   double still_rad = 0.04;
+  // Scans are kept, to be laid upon keyscans in the end, that the robot has
+  // moved this far since the last of them (m, rad; above 0).
+  double between_m = 0.02;
+  double between_rad = 0.01;
   // Scans whose planes are farther apart than this are of different floors,
   // and are not matched with each other (m, above 0).
   double max_gap_m = 0.3;

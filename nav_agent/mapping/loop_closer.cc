@@ -36,8 +36,8 @@ constexpr double kFineSearch_cells = 1.5;
 constexpr double kSameSide = 0.8;
 // Scans of different passes are compared with so many others, of every so many
 // keyscans.
-constexpr size_t kCompared = 4;
-constexpr size_t kComparedEvery = 2;
+constexpr int kCompared = 4;
+constexpr int kComparedEvery = 2;
 
 double LargestSigma_m(const Covariance3& c) {
   const double mean = 0.5 * (c[0] + c[4]);
@@ -45,14 +45,17 @@ double LargestSigma_m(const Covariance3& c) {
   return std::sqrt(std::max(0.0, mean + spread));
 }
 
-// Every so many points, each on its own.
-ScanOutline Thinned(const ScanOutline& scan, size_t every) {
-  ScanOutline thinned;
-  for (size_t i = 0; i < scan.size(); i += every) {
-    thinned.points_m.push_back(scan.points_m[i]);
-    thinned.joined.push_back(0);
-  }
-  return thinned;
+// By odometry, whose errors have tails; else by what the keyscan is tied with.
+PoseConstraint PriorOf(const std::optional<OdometryStep>& odometry,
+                       const PoseConstraint& tie) {
+  if (!odometry.has_value()) return tie;
+  const double m2 = odometry->sigma.m * odometry->sigma.m;
+  const double rad2 = odometry->sigma.rad * odometry->sigma.rad;
+  return {.from = tie.from,
+          .to = tie.to,
+          .from_from_to = odometry->previous_from_this,
+          .covariance = {m2, 0, 0, 0, m2, 0, 0, 0, rad2},
+          .may_be_wrong = true};
 }
 
 }  // namespace
@@ -66,7 +69,7 @@ absl::Status LoopCloserOptions::Validate() const {
       !(max_search_rad <= 3.2) || !(max_squared_error > 0) ||
       !(max_gap_m > 0) || !(max_gap_m_per_m >= 0) ||
       !(largest_gap_m >= max_gap_m) || !(max_tilt > 0) ||
-      !(same_ground_m >= 0) || !suspects.IsValid()) {
+      !(same_ground_m >= 0) || !suspects.IsValid() || !bundle.IsValid()) {
     return absl::InvalidArgumentError(
         "loop closer: counts and lengths must be above 0, and the largest "
         "search at least the smallest, at most 20 m and 3.2 rad");
@@ -369,6 +372,7 @@ bool LoopCloser::Add(const NewKeyscan& added) {
        .climb_m = added.climb_m,
        .climb_sigma_m = kMinClimb_m + kClimb_m_per_m * length_m +
                         kClimb_m_per_climb_m * std::abs(added.climb_m)});
+  priors_.push_back(PriorOf(added.odometry, constraints_.back()));
   if (!options_.enabled || keyscan <= options_.recent) return false;
   const std::vector<Reach> reach = ReachFrom(keyscan);
   const std::vector<Chain> chains =
@@ -438,27 +442,11 @@ Contradictions LoopCloser::Between(int a, int b,
 
 Contradictions LoopCloser::ContradictionsAmong() const {
   Contradictions found;
-  std::vector<std::pair<double, size_t>> near;
-  for (size_t i = 0; i < poses_.size(); i += kComparedEvery) {
-    near.clear();
-    for (size_t k = 0; k < i; ++k) {
-      if (way_m_[i] - way_m_[k] < MinLoop_m()) break;
-      const double apart_m =
-          geometry::Norm(poses_[i].translation - poses_[k].translation);
-      if (apart_m > options_.overlap_m ||
-          !SeesTheSame(static_cast<int>(i), static_cast<int>(k))) {
-        continue;
-      }
-      near.emplace_back(apart_m, k);
-    }
-    const size_t count = std::min(near.size(), kCompared);
-    std::partial_sort(near.begin(),
-                      near.begin() + static_cast<ptrdiff_t>(count), near.end());
-    for (size_t n = 0; n < count; ++n) {
-      const size_t k = near[n].second;
-      found += Between(static_cast<int>(i), static_cast<int>(k),
-                       poses_[i].Inverse() * poses_[k]);
-    }
+  for (const ScanPair& pair : PairsOfOtherPasses(
+           Way(), options_.overlap_m, MinLoop_m(), kComparedEvery, kCompared)) {
+    found += Between(pair.a, pair.b,
+                     poses_[static_cast<size_t>(pair.a)].Inverse() *
+                         poses_[static_cast<size_t>(pair.b)]);
   }
   return found;
 }
@@ -563,6 +551,23 @@ void LoopCloser::Polish(int rounds) {
   if (waiting_ > 0) Optimize();
   BelieveSuspect(true);
   for (int round = 0; round < rounds; ++round) Relink();
+  LayUponEachOther();
+}
+
+ScanWay LoopCloser::Way() const {
+  return {
+      .map_from_scans = poses_,
+      .way_m = way_m_,
+      .may_be_compared = [this](int a, int b) { return SeesTheSame(a, b); }};
+}
+
+void LoopCloser::LayUponEachOther() {
+  std::vector<ScanSurfels> surfels;
+  for (const std::shared_ptr<const ScanOutline>& scan : scans_) {
+    surfels.emplace_back(SurfelsOf(*scan, options_.bundle.surfels));
+  }
+  AdjustBundle(surfels, PairsThatOverlap(Way(), options_.bundle.overlap_m),
+               priors_, options_.bundle, &poses_);
 }
 
 void LoopCloser::Relink() {

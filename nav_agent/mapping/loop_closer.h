@@ -12,9 +12,12 @@
 #include "absl/status/status.h"
 #include "common/geometry/rigid2.h"
 #include "nav_agent/mapping/loop_suspects.h"
+#include "nav_agent/mapping/odometry_doubt.h"
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_agreement.h"
+#include "nav_agent/mapping/scan_bundle.h"
 #include "nav_agent/mapping/scan_matcher.h"
+#include "nav_agent/mapping/scan_neighbours.h"
 #include "nav_agent/mapping/scan_outline.h"
 #include "nav_agent/mapping/scan_plane.h"
 
@@ -61,6 +64,8 @@ struct LoopCloserOptions {
   // Loops that the optimised graph contradicts by more than this squared error
   // (3 degrees of freedom) are dropped.
   double max_squared_error = 30.0;
+  // How all keyscans are laid upon each other in the end.
+  ScanBundleOptions bundle = {};
   // Chains for each keyscan when all is tied once more, and where they begin:
   // nearer than `recent`, since the front end saw only what was behind.
   int polish_chains = 3;
@@ -82,6 +87,13 @@ struct LoopCloserOptions {
   absl::Status Validate() const;
 };
 
+// What odometry alone says of previous_from_this, and one standard deviation of
+// its errors.
+struct OdometryStep {
+  geometry::Rigid2 previous_from_this;
+  OdometryDoubt::Sigma sigma;
+};
+
 // What the front end hands over for one keyscan.
 struct NewKeyscan {
   std::shared_ptr<const ScanOutline> scan;
@@ -92,6 +104,8 @@ struct NewKeyscan {
   // one, and how much higher (m).
   geometry::Rigid2 previous_from_this;
   Covariance3 covariance{};
+  // nullopt: nobody knows better than that.
+  std::optional<OdometryStep> odometry = {};
   double climb_m = 0;
   // How steeply the ground climbs there along the base's x and y, seen from
   // above (m per m).
@@ -131,7 +145,7 @@ class LoopCloser {
 
   // Ties every keyscan to its neighbours once more, now that all is known, and
   // optimises: where loops were closed late, earlier passes were not compared
-  // with each other. `rounds` times.
+  // with each other. `rounds` times; then all are laid upon each other.
   void Polish(int rounds);
 
   std::vector<KeyscanPlace> Places() const;
@@ -200,6 +214,9 @@ class LoopCloser {
   void Tie(const PoseConstraint& constraint);
   void IndexConstraints();
   void Relink();
+  // If it fails, the graph's poses stay, which are of use.
+  void LayUponEachOther();
+  ScanWay Way() const;
 
   const LoopCloserOptions options_;
   const ScanMatcherOptions matcher_;
@@ -213,6 +230,8 @@ class LoopCloser {
   bool climbs_ = false;                 // whether anything is not level
   std::vector<PoseConstraint> constraints_;
   std::vector<std::vector<int>> constraints_of_;  // a keyscan
+  // What is known of each keyscan but by matching it.
+  std::vector<PoseConstraint> priors_;
   LoopSuspects suspects_;
   int waiting_ = 0;  // links that were not optimised yet
   LoopCloserStatistics statistics_;

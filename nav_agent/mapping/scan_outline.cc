@@ -113,4 +113,13 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
   return scan;
 }
 
+ScanOutline Thinned(const ScanOutline& scan, size_t every) {
+  ScanOutline thinned;
+  for (size_t i = 0; i < scan.size(); i += every) {
+    thinned.points_m.push_back(scan.points_m[i]);
+    thinned.joined.push_back(0);
+  }
+  return thinned;
+}
+
 }  // namespace treeline::mapping

@@ -57,6 +57,9 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
                             const ScanOutlineOptions& options = {},
                             const geometry::Rigid2& first_from_last = {});
 
+// Every so many of its points, each on its own.
+ScanOutline Thinned(const ScanOutline& scan, size_t every);
+
 }  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_SCAN_OUTLINE_H_
