@@ -5,6 +5,7 @@
 
 #include "common/base/status_macros.h"
 #include "server/core/keyframes/direct_alignment.h"
+#include "server/core/localizer/alignment_trust.h"
 #include "server/core/localizer/parameters.h"
 #include "server/core/localizer/stated_camera.h"
 
@@ -101,8 +102,14 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
   if (aligned) {
     verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
     verdict.depth_scale = aligned->depth_scale;
+    // Surfaces hold it, where depth is.
+    const bool is_drawn_away = use_ == AlignmentUse::kFuses &&
+                               query.depth() == nullptr &&
+                               IsDrawnAway(candidate, verdict.evidence.moved_m);
+    // The pose is left where it was.
+    if (is_drawn_away) verdict.evidence.moved_m = 0;
     // With less overlap the candidate is surer of the pose.
-    if (aligned->overlap >= kMinKeyframeOverlap) {
+    if (aligned->overlap >= kMinKeyframeOverlap && !is_drawn_away) {
       const pose::PoseWithCovariance answer = Answer(
           pose, {camera::PoseOfSensor(aligned->world_from_camera,
                                       camera::RgbdSensor::kColor,

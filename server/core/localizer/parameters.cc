@@ -40,6 +40,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSufficientSigma_m),
           base::RowOf(kSufficientMatches),
           base::RowOf(kMinEvenedAgreement),
+          base::RowOf(kMaxFirmSigma_m),
+          base::RowOf(kDrawnAwaySigmas),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
           base::RowOf(kApart_m),

@@ -266,6 +266,22 @@ inline constexpr base::Parameter<int> kSufficientMatches{
         "... and, of features, supported by so many: of those with fewer 3 of "
         "37 were wrong, 2 grossly. As many may doubt a focal length that is "
         "no guess"};
+inline constexpr base::Parameter<double> kMaxFirmSigma_m{
+    .name = "max_firm_sigma",
+    .value = 0.02,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "as many features that determine a position so well are right where "
+        "alignment takes it elsewhere; from 0.0125 to 0.03 as good"};
+inline constexpr base::Parameter<double> kDrawnAwaySigmas{
+    .name = "drawn_away_sigmas",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... by so many standard deviations: of 150 such answers 6 were wrong, "
+        "of the features' own poses 1; 2 to 4 are as good"};
 inline constexpr base::Parameter<int> kMinAnswerInliers{
     .name = "min_answer_inliers",
     .value = 15,
