@@ -174,10 +174,12 @@ inline constexpr base::Parameter<double> kTurnInlier_px{
     .why = "points that reproject within it, row by row, support a turn"};
 inline constexpr base::Parameter<double> kTurnPriorSigma_rad_s{
     .name = "turn_prior_sigma",
-    .value = 1.5,
+    .value = 0.7,
     .unit = "rad/s",
-    .origin = base::ParameterOrigin::kMeasured,
-    .why = "of each axis; a camera that is turned by hand (TUM fr1/rpy)"};
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "of each axis; half of what a camera does that is swung to and fro, as "
+        "turns are poorly told from moves"};
 inline constexpr base::Parameter<int> kMinTurnMatches{
     .name = "min_turn_matches",
     .value = 25,
@@ -186,7 +188,7 @@ inline constexpr base::Parameter<int> kMinTurnMatches{
     .why = "with fewer matches that agree a turn explains anything"};
 inline constexpr base::Parameter<double> kMinTurnSigmas{
     .name = "min_turn_sigmas",
-    .value = 4,
+    .value = 3,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "a turn so far from none, over its three axes, is undone"};

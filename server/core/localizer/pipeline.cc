@@ -401,7 +401,13 @@ absl::Status Pipeline::UndoShutter(const image::Frame& frame,
   asked.set_depth_scale_open(false);
   TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method_, asked));
   Add(asked.timings(), found.timings);
-  if (!selection.verdict || !selection.verdict->is_believed()) {
+  // As one more way to explain what is seen, it has to explain it better.
+  // Without depth a turn across the axis looks like a move, and a corrected
+  // pose that is elsewhere may be the wrong one.
+  if (!selection.verdict || !selection.verdict->is_believed() ||
+      (stated->is_believed() &&
+       (OddsRatio(*selection.verdict, *stated) < 1 ||
+        (query.depth() == nullptr && AreApart(*selection.verdict, *stated))))) {
     return absl::OkStatus();
   }
   for (size_t i = 0; i < selection.verdict->covariance.size(); ++i) {

@@ -34,10 +34,6 @@ std::optional<pose::TurnEstimate> MeasureTurn(
        .inlier_distance = kTurnInlier_px * query.pixel(),
        .prior_sigma_rad_s = kTurnPriorSigma_rad_s,
        .min_inliers = kMinTurnMatches});
-  if (getenv("RS_DEBUG")) {
-    if (turn) fprintf(stderr, "turn %.3f %.3f %.3f sigmas %.1f inliers %d of %zu\n", turn->turn_rate_rad_s.x, turn->turn_rate_rad_s.y, turn->turn_rate_rad_s.z, turn->sigmas, turn->inliers, rays.size());
-    else fprintf(stderr, "turn none of %zu\n", rays.size());
-  }
   if (!turn || turn->sigmas < kMinTurnSigmas) return std::nullopt;
   // Of the first and last row.
   const double moved =

@@ -27,7 +27,8 @@ std::vector<TimedRay> Seen(geometry::Vec3 turn_rate_rad_s, uint64_t seed) {
     const double z = random.NextUniform(1.5, 4);
     const geometry::Vec3 at_stamp{z * random.NextUniform(-0.6, 0.6),
                                   z * random.NextUniform(-0.45, 0.45), z};
-    TimedRay ray{.point_in_world = kPose * at_stamp};
+    TimedRay ray;
+    ray.point_in_world = kPose * at_stamp;
     for (int k = 0; k < 5; ++k) {
       const geometry::Vec3 p =
           geometry::Rotation3::FromAxisAngle(-ray.delay_s * turn_rate_rad_s) *

@@ -372,14 +372,13 @@ absl::StatusOr<std::optional<ShutterEstimate>> FindShutter(
   }
   const std::optional<ShutterEstimate> estimate =
       EstimateShutter(views, points, 1 / calibration.color.fx());
-  if (getenv("RS_DEBUG") && estimate)
-    fprintf(stderr,
-            "shutter: %.2f +- %.2f ms, offset %.2f ms, median %.3f -> %.3f px, "
-            "%zu points\n",
-            1e3 * estimate->shutter.readout_s, 1e3 * estimate->readout_sigma_s,
-            1e3 * estimate->shutter.offset_s,
-            estimate->median_before * calibration.color.fx(),
-            estimate->median_after * calibration.color.fx(), points.size());
+  fprintf(stderr,
+          "shutter: %.2f +- %.2f ms, offset %.2f ms, median %.3f -> %.3f px, "
+          "%zu points\n",
+          1e3 * estimate->shutter.readout_s, 1e3 * estimate->readout_sigma_s,
+          1e3 * estimate->shutter.offset_s,
+          estimate->median_before * calibration.color.fx(),
+          estimate->median_after * calibration.color.fx(), points.size());
   if (!estimate || !IsRolling(*estimate)) return std::nullopt;
   return estimate;
 }

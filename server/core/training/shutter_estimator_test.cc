@@ -57,7 +57,9 @@ Scene MakeScene(const image::RollingShutter& shutter, double turn_rate) {
     const double z = random.NextUniform(1.5, 4);
     const geometry::Vec3 in_world{z * random.NextUniform(-0.5, 0.5),
                                   z * random.NextUniform(-0.4, 0.4), z};
-    SharedPoint point{.from = static_cast<int>(i), .to = static_cast<int>(j)};
+    SharedPoint point;
+    point.from = static_cast<int>(i);
+    point.to = static_cast<int>(j);
     point.point_in_from = see(i, in_world, point.share_in_from);
     const geometry::Vec3 in_j = see(j, in_world, point.share_in_to);
     point.ray_in_to = {in_j.x / in_j.z + kPixel * random.NextUniform(-1, 1),
