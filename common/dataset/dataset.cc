@@ -256,6 +256,13 @@ Dataset Dataset::Subset(std::span<const int> frames) const {
   return subset;
 }
 
+Dataset Dataset::WithShutter(const image::RollingShutter& shutter,
+                             const camera::RgbdCalibration& calibration) const {
+  Dataset undone = *this;
+  undone.undone_shutter_ = {shutter, calibration};
+  return undone;
+}
+
 absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   Encoded encoded;
   encoded.color_camera = frame(i).color_camera;
@@ -288,7 +295,11 @@ absl::StatusOr<image::Frame> Dataset::Load(int i) const {
     if (!depth.ok()) return base::Annotate(depth.status(), frame(i).depth_path);
     result.depth = *std::move(depth);
   }
-  return result;
+  const std::optional<image::FrameMotion>& motion = frame(i).motion;
+  if (!undone_shutter_ || !motion) return result;
+  return image::AtTimeStamp(
+      result, result.calibration.value_or(undone_shutter_->calibration),
+      undone_shutter_->shutter, *motion);
 }
 
 absl::StatusOr<image::Frame> Dataset::Decode(const Encoded& encoded) const {

@@ -12,6 +12,7 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/dataset/sfm_model.h"
 #include "common/image/frame.h"
+#include "common/image/rolling_shutter.h"
 
 namespace treeline::dataset {
 
@@ -54,6 +55,8 @@ struct DatasetFrame {
   std::optional<camera::Camera> color_camera;
   // This frame among structure()->images; -1: none.
   int structure_image = -1;
+  // How the camera turned; nullopt: not known (only TUM has time stamps).
+  std::optional<image::FrameMotion> motion;
 };
 
 // An opened sequence. Immutable and thread-safe after Open.
@@ -78,6 +81,10 @@ class Dataset {
   const MissingPictures& missing_pictures() const { return missing_pictures_; }
   // The same recording with these of its frames alone.
   Dataset Subset(std::span<const int> frames) const;
+  // The same recording, of whose frames Load makes AtTimeStamp's, where their
+  // motion is known.
+  Dataset WithShutter(const image::RollingShutter& shutter,
+                      const camera::RgbdCalibration& calibration) const;
   const std::string& uri() const { return uri_; }
   // As given by the options or the format's default; color_from_depth is the
   // identity where the format leaves it unknown (7-Scenes).
@@ -113,6 +120,11 @@ class Dataset {
   absl::StatusOr<image::Frame> Decode(const Encoded& encoded) const;
 
  private:
+  // A rolling shutter that is undone, and with which cameras.
+  struct UndoneShutter {
+    image::RollingShutter shutter;
+    camera::RgbdCalibration calibration;
+  };
   std::optional<camera::RgbdCalibration> CalibrationOf(
       const Encoded& encoded) const;
 
@@ -125,6 +137,7 @@ class Dataset {
   double depth_unit_m_ = 0.001;
   bool units_are_metres_ = true;
   std::shared_ptr<const SfmModel> structure_;
+  std::optional<UndoneShutter> undone_shutter_;
 };
 
 }  // namespace treeline::dataset

@@ -415,6 +415,38 @@ TEST_F(TumDatasetTest, MissingOrEmptyIndexFilesAreNamed) {
               HasSubstr("rgb.txt"));
 }
 
+TEST_F(TumDatasetTest, TellsHowTheCameraTurnedAndWhenDepthWasTaken) {
+  // 0.02 rad about z in 40 ms.
+  Write("groundtruth.txt",
+        "9.98 0 0 0 0 0 0 1\n10.02 0 0 0 0 0 0.0099998333 0.99995\n");
+  const auto dataset = Dataset::Open(Tum());
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  ASSERT_TRUE(dataset->frame(0).motion.has_value());
+  EXPECT_NEAR(dataset->frame(0).motion->turn_rate_rad_s.z, 0.5, 1e-6);
+  EXPECT_NEAR(dataset->frame(0).motion->depth_delay_s, -0.005, 1e-12);
+  EXPECT_FALSE(dataset->frame(1).motion.has_value());
+}
+
+TEST_F(TumDatasetTest, ARollingShutterIsUndoneWhereTheMotionIsKnown) {
+  Write("groundtruth.txt",
+        "9.98 0 0 0 0 0 0 1\n10.02 0 0 0 0 0 0.0099998333 0.99995\n");
+  const auto dataset = Dataset::Open(Tum());
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  const Dataset undone =
+      dataset->WithShutter({.readout_s = 0.03}, dataset->calibration());
+  const auto as_it_is = dataset->Load(0);
+  const auto frame = undone.Load(0);
+  ASSERT_TRUE(as_it_is.ok() && frame.ok()) << frame.status();
+  // 0.5 rad/s turn the corners of the picture, 15 ms before the middle row, by
+  // 2 px: there nothing was measured.
+  EXPECT_NE(frame->depth->values, as_it_is->depth->values);
+  EXPECT_EQ(frame->depth->values[320 + 240 * 640],
+            as_it_is->depth->values[320 + 240 * 640]);
+  const auto other = undone.Load(1);
+  ASSERT_TRUE(other.ok()) << other.status();
+  EXPECT_EQ(other->depth->values, dataset->Load(1)->depth->values);
+}
+
 TEST_F(TumDatasetTest, WithoutGroundTruthNoFrameHasAPose) {
   fs::remove(folder_.Path("groundtruth.txt"));
   const auto dataset = Dataset::Open(Tum());

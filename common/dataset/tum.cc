@@ -26,6 +26,11 @@ constexpr uint64_t kMaxTextBytes = 256u << 20;
 // Ground truth comes at 100 Hz; in longer gaps the camera went unseen.
 constexpr Time_ns kMaxPoseGap = 100'000'000;
 
+// The turn rate is a mean over so long before and after a frame: what rows are
+// read in.
+constexpr Time_ns kTurnTime = 15'000'000;
+constexpr double kNanosecond_s = 1e-9;
+
 struct NamedCamera {
   const char* long_name;
   const char* short_name;
@@ -106,6 +111,16 @@ absl::Status CheckTimesMeet(const std::vector<TimedFile>& colors,
       static_cast<double>(poses.back().time) / kSecond_ns,
       static_cast<double>(colors.front().time) / kSecond_ns,
       static_cast<double>(colors.back().time) / kSecond_ns));
+}
+
+// How the pose sensor turned about `time`, about its own axes (rad/s).
+std::optional<geometry::Vec3> TurnRateAt(std::span<const TimedPose> poses,
+                                         Time_ns time) {
+  const auto before = InterpolatePose(poses, time - kTurnTime, kMaxPoseGap);
+  const auto after = InterpolatePose(poses, time + kTurnTime, kMaxPoseGap);
+  if (!before || !after) return std::nullopt;
+  return 1 / (2 * kNanosecond_s * static_cast<double>(kTurnTime)) *
+         geometry::ToAxisAngle(before->rotation.Inverse() * after->rotation);
 }
 
 }  // namespace
@@ -217,6 +232,15 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
     }
     frame.world_from_camera =
         InterpolatePose(poses, colors[i].time, kMaxPoseGap);
+    if (const auto turn_rate = TurnRateAt(poses, colors[i].time)) {
+      frame.motion = {.turn_rate_rad_s = *turn_rate};
+      if (depth_of[i] >= 0) {
+        const Time_ns depth_time =
+            depths[static_cast<size_t>(depth_of[i])].time;
+        frame.motion->depth_delay_s =
+            kNanosecond_s * static_cast<double>(depth_time - colors[i].time);
+      }
+    }
     index.frames.push_back(std::move(frame));
   }
   return index;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -13,6 +14,7 @@ namespace treeline::tools {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr double kMillisecondsPerSecond = 1000;
 
 std::string OrUnknown(const std::string& text) {
   return text.empty() ? "unknown" : text;
@@ -101,11 +103,20 @@ DescriptionSection Calibration(const camera::RgbdCalibration& calibration) {
   return section;
 }
 
+DescriptionRow Shutter(const image::RollingShutter& shutter) {
+  return {"rolling shutter",
+          absl::StrFormat("rows are read in %.1f ms, the middle one %.1f ms "
+                          "after the time stamp",
+                          kMillisecondsPerSecond * shutter.readout_s,
+                          kMillisecondsPerSecond * shutter.offset_s)};
+}
+
 }  // namespace
 
 std::vector<DescriptionSection> DescribeModel(const forest::ModelInfo& model) {
   std::vector<DescriptionSection> sections{Origin(model), Size(model),
                                            Calibration(model.calibration)};
+  if (model.shutter) sections.back().rows.push_back(Shutter(*model.shutter));
   if (!model.options.empty()) {
     sections.push_back({"Options", {}});
     for (const auto& [name, value] : model.options) {

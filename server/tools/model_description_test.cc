@@ -9,6 +9,7 @@ namespace treeline::tools {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
   forest::ModelInfo model;
@@ -24,6 +25,10 @@ TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
   EXPECT_THAT(text, HasSubstr("48.2 MB"));
   EXPECT_THAT(text, HasSubstr("-2.350  0.500  0.000 cm"));
   EXPECT_THAT(text, HasSubstr("PINHOLE 585 585 320 240, 640 x 480"));
+  EXPECT_THAT(text, Not(HasSubstr("shutter")));
+  model.shutter = {.readout_s = 0.0275, .offset_s = -0.0055};
+  EXPECT_THAT(DescriptionText(DescribeModel(model)),
+              HasSubstr("rows are read in 27.5 ms, the middle one -5.5 ms"));
 }
 
 TEST(DescribeSizes, NamesWhatTakesTheFile) {

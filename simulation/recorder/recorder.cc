@@ -20,6 +20,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/frame_use.h"
 #include "common/dataset/tum.h"
+#include "common/image/rolling_shutter.h"
 #include "simulation/recorder/record_files.h"
 #include "simulation/recorder/tour_walk.h"
 #include "simulation/recorder/walk.h"
@@ -104,7 +105,7 @@ std::string Description(const RecordOptions& options,
   const camera::Camera& depth = is_tum ? calibration.color : calibration.depth;
   const geometry::Vec3 t =
       is_tum ? geometry::Vec3{} : calibration.color_from_depth.translation;
-  return absl::StrFormat(
+  std::string text = absl::StrFormat(
       "world %s\nlight %s\nrearranged %d:%g\nseed %d\nframes %d\n"
       "rate_hz %g\n"
       "color_camera %s\ndepth_camera %s\n"
@@ -118,6 +119,10 @@ std::string Description(const RecordOptions& options,
       options.rate_hz, calibration.color.ToString(), depth.ToString(), t.x, t.y,
       t.z, is_tum ? "groundtruth.txt" : ".pose.txt",
       is_tum ? "color" : "depth");
+  if (options.readout_s > 0) {
+    absl::StrAppendFormat(&text, "readout_s %g\n", options.readout_s);
+  }
+  return text;
 }
 
 // Where the pose sensor is at any time (s).
@@ -174,6 +179,23 @@ std::vector<geometry::Rigid3> PosesOf(const RecordOptions& options,
   return poses;
 }
 
+image::Frame Taken(const RecordOptions& options,
+                   const sensors::SyntheticCamera& camera,
+                   const renderer::WorldSnapshot& snapshot,
+                   const CameraPath& path, const dataset::TimedPose& frame,
+                   uint64_t index) {
+  if (!(options.readout_s > 0)) {
+    return camera.CaptureMoving(snapshot, PosesOf(options, path, frame), index,
+                                1);
+  }
+  return camera.CaptureRolling(
+      snapshot,
+      [&](double row_share) {
+        return path(Seconds(frame.time) + row_share * options.readout_s);
+      },
+      index, 1);
+}
+
 absl::Status RecordFrame(const RecordOptions& options,
                          const sensors::SyntheticCamera& camera,
                          const renderer::PixelRays& rays,
@@ -183,11 +205,10 @@ absl::Status RecordFrame(const RecordOptions& options,
   const renderer::Renderer& renderer = camera.renderer();
   const renderer::WorldSnapshot snapshot =
       renderer.caster().At(renderer.world().InstancesAt(Seconds(frame.time)));
-  TL_RETURN_IF_ERROR(WriteFrameFiles(
-      options, folder, index, frame.time,
-      camera.CaptureMoving(snapshot, PosesOf(options, path, frame),
-                           static_cast<uint64_t>(index), 1),
-      frame.world_from_camera));
+  TL_RETURN_IF_ERROR(WriteFrameFiles(options, folder, index, frame.time,
+                                     Taken(options, camera, snapshot, path,
+                                           frame, static_cast<uint64_t>(index)),
+                                     frame.world_from_camera));
   if (!options.has_truth) return absl::OkStatus();
   return WriteTruthFiles(
       folder, index, rays,
@@ -316,6 +337,12 @@ absl::Status RecordOptions::Validate() const {
         absl::StrCat(frames, " frames is outside 5..", kMaxFrames));
   }
   TL_RETURN_IF_ERROR(base::CheckRange("shutter time (s)", shutter_s, 0, 0.5));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("readout time (s)", readout_s, 0, image::kMaxReadout_s));
+  if (shutter_s > 0 && readout_s > 0) {
+    return absl::InvalidArgumentError(
+        "a shutter that stays open and one that rolls cannot be combined");
+  }
   TL_RETURN_IF_ERROR(base::CheckRange("JPEG quality", jpeg_quality, 1, 100));
   return base::CheckRange("lowest JPEG quality", lowest_jpeg_quality, 1,
                           jpeg_quality);

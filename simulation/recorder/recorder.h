@@ -37,6 +37,10 @@ struct RecordOptions {
   bool is_exposure_automatic = false;
   // How long the colour camera's shutter is open (s), in [0, 0.5]; 0: no blur.
   double shutter_s = 0;
+  // From the first to the last row's exposure (s), in [0, 0.2], of colour and
+  // depth alike; the pose is that of the middle. 0: all rows at once. Not with
+  // shutter_s.
+  double readout_s = 0;
   // In [1, 100]. Each frame has a quality between the two, by chance.
   int jpeg_quality = 92;
   int lowest_jpeg_quality = 92;

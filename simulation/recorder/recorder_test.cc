@@ -265,6 +265,9 @@ TEST_F(RecorderTest, OptionsAreChecked) {
   EXPECT_THAT(error([](auto& o) { o.lowest_jpeg_quality = 93; }),
               HasSubstr("lowest JPEG quality"));
   EXPECT_THAT(error([](auto& o) { o.shutter_s = -1; }), HasSubstr("shutter"));
+  EXPECT_THAT(error([](auto& o) { o.readout_s = 0.3; }), HasSubstr("readout"));
+  EXPECT_THAT(error([](auto& o) { o.shutter_s = o.readout_s = 0.02; }),
+              HasSubstr("cannot be combined"));
   EXPECT_THAT(error([](auto& o) { o.world = "moon"; }), HasSubstr("'moon'"));
 }
 

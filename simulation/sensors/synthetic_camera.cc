@@ -9,6 +9,7 @@
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "common/image/rolling_shutter.h"
 
 namespace treeline::sensors {
 namespace {
@@ -401,6 +402,21 @@ SyntheticCamera::SyntheticCamera(
       color_rays_(options.calibration.color),
       depth_rays_(options.calibration.depth) {}
 
+namespace {
+
+// The camera of some rows of the picture.
+camera::Camera RowsOf(const camera::Camera& camera, int top, int rows) {
+  std::array<double, camera::Camera::kMaxParameters> parameters =
+      camera.parameters();
+  parameters[static_cast<size_t>(
+      camera::CameraPrincipalPointIndex(camera.model()) + 1)] -= top;
+  return *camera::Camera::Create(camera.model(), camera.width(), rows,
+                                 parameters.data(),
+                                 camera::CameraParameterCount(camera.model()));
+}
+
+}  // namespace
+
 image::Frame SyntheticCamera::Capture(const geometry::Rigid3& world_from_camera,
                                       uint64_t frame, int threads) const {
   return Capture(renderer_->caster().At({}), world_from_camera, frame, threads);
@@ -437,19 +453,60 @@ image::Frame SyntheticCamera::CaptureMoving(
       radiance[i] = radiance[i] + share * seen[i];
     }
   }
+  const geometry::Rigid3& middle =
+      world_from_camera[world_from_camera.size() / 2];
+  return Measured(radiance,
+                  renderer_->RenderDepth(
+                      snapshot, depth_rays_,
+                      pose_of(middle, camera::RgbdSensor::kDepth), threads),
+                  frame, threads);
+}
+
+image::Frame SyntheticCamera::CaptureRolling(
+    const renderer::WorldSnapshot& snapshot,
+    const std::function<geometry::Rigid3(double row_share)>& pose_at,
+    uint64_t frame, int threads) const {
+  const camera::RgbdCalibration& calibration = options_.calibration;
+  // Of each band of a camera's picture, what `render` makes of it.
+  const auto by_bands = [&](const camera::Camera& camera,
+                            camera::RgbdSensor sensor, const auto& render) {
+    decltype(render(renderer::PixelRays(camera), geometry::Rigid3{})) all;
+    for (int top = 0; top < camera.height(); top += kRollingBand_px) {
+      const int rows = std::min(kRollingBand_px, camera.height() - top);
+      const geometry::Rigid3 pose = camera::PoseOfSensor(
+          pose_at(image::RowShare(top + 0.5 * (rows - 1), camera.height())),
+          calibration.pose_sensor, sensor, calibration);
+      const auto band =
+          render(renderer::PixelRays(RowsOf(camera, top, rows)), pose);
+      all.insert(all.end(), band.begin(), band.end());
+    }
+    return all;
+  };
+  return Measured(
+      by_bands(
+          calibration.color, camera::RgbdSensor::kColor,
+          [&](const renderer::PixelRays& rays, const geometry::Rigid3& pose) {
+            return renderer_->RenderRadiance(snapshot, rays, pose, threads);
+          }),
+      by_bands(
+          calibration.depth, camera::RgbdSensor::kDepth,
+          [&](const renderer::PixelRays& rays, const geometry::Rigid3& pose) {
+            return renderer_->RenderDepth(snapshot, rays, pose, threads);
+          }),
+      frame, threads);
+}
+
+image::Frame SyntheticCamera::Measured(
+    const std::vector<worlds::Float3>& radiance,
+    const std::vector<renderer::DepthSample>& samples, uint64_t frame,
+    int threads) const {
   image::Frame result;
   result.color = ExposeColor(color_rays_, radiance, options_.color,
                              options_.seed, frame, threads);
-  const geometry::Rigid3& middle =
-      world_from_camera[world_from_camera.size() / 2];
-  result.depth =
-      MeasureDepth(depth_rays_,
-                   renderer_->RenderDepth(
-                       snapshot, depth_rays_,
-                       pose_of(middle, camera::RgbdSensor::kDepth), threads),
-                   options_.depth, options_.seed, frame, threads);
+  result.depth = MeasureDepth(depth_rays_, samples, options_.depth,
+                              options_.seed, frame, threads);
   if (options_.is_depth_registered) {
-    result.depth = RegisterDepth(*result.depth, calibration);
+    result.depth = RegisterDepth(*result.depth, options_.calibration);
   }
   return result;
 }

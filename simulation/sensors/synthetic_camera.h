@@ -4,6 +4,7 @@
 #define SIMULATION_SENSORS_SYNTHETIC_CAMERA_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -146,9 +147,22 @@ class SyntheticCamera {
       std::span<const geometry::Rigid3> world_from_camera, uint64_t frame,
       int threads) const;
 
+  // The same of a camera whose rows are exposed one after the other, those of
+  // colour and of depth alike: in bands of kRollingBand_px rows, each from
+  // where the pose sensor is when its middle is exposed. `pose_at` takes
+  // image::RowShare.
+  image::Frame CaptureRolling(
+      const renderer::WorldSnapshot& snapshot,
+      const std::function<geometry::Rigid3(double row_share)>& pose_at,
+      uint64_t frame, int threads) const;
+  static constexpr int kRollingBand_px = 8;
+
  private:
   SyntheticCamera(std::shared_ptr<const renderer::Renderer> renderer,
                   const Options& options);
+  image::Frame Measured(const std::vector<worlds::Float3>& radiance,
+                        const std::vector<renderer::DepthSample>& samples,
+                        uint64_t frame, int threads) const;
 
   std::shared_ptr<const renderer::Renderer> renderer_;
   Options options_;

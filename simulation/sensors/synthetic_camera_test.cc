@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/image/rolling_shutter.h"
 #include "gtest/gtest.h"
 #include "simulation/sensors/picture.h"
 #include "simulation/worlds/testing_world.h"
@@ -415,6 +416,47 @@ TEST(MotionBlur, IsTheMeanOfWhatIsSeenOnTheWay) {
   }
   EXPECT_NE(blurred.color.rgb, sharp.color.rgb);
   EXPECT_EQ(blurred.depth->values, after.depth->values);
+}
+
+TEST(RollingShutter, RowsAreSeenFromWhereTheCameraIsThen) {
+  const std::shared_ptr<const renderer::Renderer> renderer =
+      *renderer::Renderer::Create(worlds::TestingWorld(), 2);
+  SyntheticCamera::Options options;
+  options.color.noise_levels = 0;
+  const SyntheticCamera camera = *SyntheticCamera::Create(renderer, options);
+  const auto pose_at = [](double row_share) {
+    return LookingFrom({2.5, 2, 1.3}, -2.5 + 0.1 * row_share, -0.4);
+  };
+  const image::Frame rolling =
+      camera.CaptureRolling(renderer->caster().At({}), pose_at, 0, 2);
+  const image::Frame at_once = camera.Capture(pose_at(0), 0, 2);
+  constexpr int kBand = SyntheticCamera::kRollingBand_px;
+  constexpr int kColumns = 640;
+  for (const int top : {0, 240, 472}) {
+    const image::Frame then = camera.Capture(
+        pose_at(image::RowShare(top + 0.5 * (kBand - 1), 480)), 0, 2);
+    // Rows whose neighbours, which smooth edges, are of the same band.
+    int same = 0;
+    int as_at_once = 0;
+    int same_depth = 0;
+    for (int y = top + 1; y < top + kBand - 1; ++y) {
+      for (int x = 0; x < kColumns; ++x) {
+        const size_t i = static_cast<size_t>(y * kColumns + x);
+        same += std::abs(rolling.color.rgb[3 * i] - then.color.rgb[3 * i]) <= 1;
+        as_at_once +=
+            std::abs(rolling.color.rgb[3 * i] - at_once.color.rgb[3 * i]) <= 1;
+        same_depth += rolling.depth->values[i] == then.depth->values[i];
+      }
+    }
+    constexpr int kAll = (kBand - 2) * kColumns;
+    // But for what float arithmetic decides on edges.
+    EXPECT_GE(same, 0.99 * kAll) << top;
+    EXPECT_GE(same_depth, 0.99 * kAll) << top;
+    // The lowest rows see bare floor.
+    if (top == 0) {
+      EXPECT_LT(as_at_once, 0.9 * kAll) << top;
+    }
+  }
 }
 
 }  // namespace

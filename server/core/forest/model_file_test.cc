@@ -6,6 +6,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <utility>
 
 #include "common/base/file.h"
 #include "common/base/random.h"
@@ -67,6 +69,23 @@ class ModelFileTest : public testing::Test {
   Forest forest_;
   ModelInfo info_;
 };
+
+TEST(ModelInfoShutter, IsReadBackAndAbsentWhereItIsGlobal) {
+  ModelInfo info;
+  EXPECT_EQ(ModelInfoToJson(info).find("shutter"), std::string::npos);
+  info.shutter = {.readout_s = 0.0275, .offset_s = -0.0055};
+  const std::string text = ModelInfoToJson(info);
+  EXPECT_EQ(ModelInfoFromJson(text)->shutter, info.shutter);
+  for (const auto& [from, to] :
+       {std::pair("0.0275", "0.25"), std::pair("0.0275", "-0.01"),
+        std::pair("-0.0055", "0.2")}) {
+    std::string wrong = text;
+    wrong.replace(wrong.find(from), std::string(from).size(), to);
+    EXPECT_EQ(ModelInfoFromJson(wrong).status().code(),
+              absl::StatusCode::kDataLoss)
+        << to;
+  }
+}
 
 TEST_F(ModelFileTest, ReadsBackWhatWasWritten) {
   Written();

@@ -10,6 +10,7 @@
 
 #include "common/camera/rgbd_calibration.h"
 #include "common/geometry/vector3.h"
+#include "common/image/rolling_shutter.h"
 #include "server/core/features/sift_features.h"
 #include "server/core/forest/confidence_model.h"
 
@@ -37,6 +38,9 @@ struct ModelInfo {
   // Options of the trainer, name and value, in the order of its help.
   std::vector<std::pair<std::string, std::string>> options;
   camera::RgbdCalibration calibration;
+  // Of the training frames' camera; absent where all rows are exposed at once,
+  // or nothing tells (slow recordings, those without time stamps).
+  std::optional<image::RollingShutter> shutter;
   // Axis-aligned box of the training points, world frame (m).
   geometry::Vec3 bounds_min_in_world;
   geometry::Vec3 bounds_max_in_world;

@@ -1,5 +1,6 @@
 #include "server/core/forest/model_info_json.h"
 
+#include <cmath>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -57,6 +58,17 @@ absl::StatusOr<features::SiftKind> SiftKindFromName(const std::string& name) {
       "keyframes have SIFT of a kind unknown to this version: ", name));
 }
 
+absl::StatusOr<image::RollingShutter> ShutterFromJson(const Json& json) {
+  const image::RollingShutter shutter{
+      .readout_s = json.at("readout_s").get<double>(),
+      .offset_s = json.at("offset_s").get<double>()};
+  if (!(shutter.readout_s >= 0 && shutter.readout_s <= image::kMaxReadout_s) ||
+      !(std::abs(shutter.offset_s) <= image::kMaxShutterOffset_s)) {
+    return absl::DataLossError("its shutter is out of range");
+  }
+  return shutter;
+}
+
 constexpr int kMaxTrees = 64;
 
 absl::StatusOr<TreePartInfo> PartFromJson(const Json& json) {
@@ -83,6 +95,9 @@ absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
   }
   TL_ASSIGN_OR_RETURN(info.calibration, camera::CalibrationFromJson(
                                             root.at("calibration").dump()));
+  if (root.contains("shutter")) {
+    TL_ASSIGN_OR_RETURN(info.shutter, ShutterFromJson(root.at("shutter")));
+  }
   if (root.contains("confidence")) {
     TL_ASSIGN_OR_RETURN(info.confidence,
                         ConfidenceFromJson(root.at("confidence")));
@@ -133,6 +148,10 @@ std::string ModelInfoToJson(const ModelInfo& info) {
         {"seconds", info.training_s}}}};
   if (info.keyframe_sift == features::SiftKind::kFast) {
     json["keyframes"] = {{"sift", kFastSiftName}};
+  }
+  if (info.shutter) {
+    json["shutter"] = {{"readout_s", info.shutter->readout_s},
+                       {"offset_s", info.shutter->offset_s}};
   }
   if (info.part) {
     json["part"] = {{"tree", info.part->tree},

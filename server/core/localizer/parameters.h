@@ -159,6 +159,46 @@ inline constexpr base::Parameter<double> kKeyframeInlier_px{
     .origin = base::ParameterOrigin::kTuned,
     .why = "points that reproject within it support a pose"};
 
+// Cameras that turn while their rows are read.
+inline constexpr base::Parameter<size_t> kTurnKeyframes{
+    .name = "turn_keyframes",
+    .value = 4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "matched to see how the camera turned, as many as for a pose"};
+inline constexpr base::Parameter<double> kTurnInlier_px{
+    .name = "turn_inlier",
+    .value = 8,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "points that reproject within it, row by row, support a turn"};
+inline constexpr base::Parameter<double> kTurnPriorSigma_rad_s{
+    .name = "turn_prior_sigma",
+    .value = 0.7,
+    .unit = "rad/s",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "of each axis; half of what a camera does that is swung to and fro, as "
+        "turns are poorly told from moves"};
+inline constexpr base::Parameter<int> kMinTurnMatches{
+    .name = "min_turn_matches",
+    .value = 25,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with fewer matches that agree a turn explains anything"};
+inline constexpr base::Parameter<double> kMinTurnSigmas{
+    .name = "min_turn_sigmas",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a turn so far from none, over its three axes, is undone"};
+inline constexpr base::Parameter<double> kMinTurnedRows_px{
+    .name = "min_turned_rows",
+    .value = 1,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a turn that moves the first and last row by less stays"};
+
 // Forests on SIFT descriptors.
 inline constexpr base::Parameter<double> kMaxSiftRatio{
     .name = "max_sift_ratio",

@@ -11,6 +11,7 @@
 #include "server/core/localizer/assumed_lens.h"
 #include "server/core/localizer/parameters.h"
 #include "server/core/localizer/report.h"
+#include "server/core/localizer/shutter_correction.h"
 #include "server/core/localizer/stated_camera.h"
 
 namespace treeline::localizer {
@@ -425,6 +426,46 @@ absl::Status Pipeline::AskAgainWithFocal(const image::Frame& frame,
   return absl::OkStatus();
 }
 
+absl::Status Pipeline::UndoShutter(const image::Frame& frame,
+                                   const LocalizeOptions& options, Query& query,
+                                   QueryScratch& scratch, Found& found) const {
+  const std::optional<Verdict>& stated = found.selection.verdict;
+  if (!info().shutter || !stated || method_.keyframes == nullptr ||
+      method_.keyframes->features().empty() || query.is_focal_doubtful()) {
+    return absl::OkStatus();
+  }
+  camera::RgbdCalibration calibration = query.calibration();
+  const std::optional<pose::TurnEstimate> turn = MeasureTurn(
+      query, *method_.keyframes, *info().shutter,
+      camera::PoseOfSensor(stated->world_from_camera, calibration.pose_sensor,
+                           camera::RgbdSensor::kColor, calibration));
+  if (!turn) return absl::OkStatus();
+  const camera::RgbdSensor pose_sensor = calibration.pose_sensor;
+  calibration.pose_sensor = camera::RgbdSensor::kColor;
+  const image::Frame undone =
+      image::AtTimeStamp(frame, calibration, *info().shutter,
+                         {.turn_rate_rad_s = turn->turn_rate_rad_s});
+  calibration.pose_sensor = pose_sensor;
+  Query asked = Ask(undone, calibration, options, scratch);
+  asked.set_depth_scale_open(false);
+  TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method_, asked));
+  Add(asked.timings(), found.timings);
+  // As one more way to explain what is seen, it has to explain it better.
+  // Without depth a turn across the axis looks like a move, and a corrected
+  // pose that is elsewhere may be the wrong one.
+  if (!selection.verdict || !selection.verdict->is_believed() ||
+      (stated->is_believed() &&
+       (OddsRatio(*selection.verdict, *stated) < 1 ||
+        (query.depth() == nullptr && AreApart(*selection.verdict, *stated))))) {
+    return absl::OkStatus();
+  }
+  for (size_t i = 0; i < selection.verdict->covariance.size(); ++i) {
+    selection.verdict->covariance[i] += turn->added_covariance[i];
+  }
+  found.selection = std::move(selection);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<PoseEstimate> Pipeline::Localize(
     const image::Frame& frame, const LocalizeOptions& options) const {
   const base::SteadyClock clock;
@@ -449,6 +490,7 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   }
   TL_RETURN_IF_ERROR(
       TryOtherCameras(frame, calibration, options, *scratch, found));
+  TL_RETURN_IF_ERROR(UndoShutter(frame, options, query, *scratch, found));
   PoseEstimate estimate =
       Report(std::move(found.selection.candidate),
              found.selection.verdict ? &*found.selection.verdict : nullptr);

@@ -141,6 +141,11 @@ class Pipeline final : public Localizer {
                                const camera::RgbdCalibration& stated,
                                const LocalizeOptions& options,
                                QueryScratch& scratch, Found& found) const;
+  // Asks anew what would have been seen at the frame's time stamp, where the
+  // scene's camera took it and turned while it read its rows.
+  absl::Status UndoShutter(const image::Frame& frame,
+                           const LocalizeOptions& options, Query& query,
+                           QueryScratch& scratch, Found& found) const;
 
   const std::unique_ptr<const forest::ModelFile> model_;
   const Method method_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -20,6 +21,7 @@
 #include "server/core/training/keyframe_builder.h"
 #include "server/core/training/quantize_forest.h"
 #include "server/core/training/scene_writer.h"
+#include "server/core/training/shutter_estimator.h"
 #include "server/core/training/sift_scene_trainer.h"
 #include "server/core/training/tree_part.h"
 
@@ -127,7 +129,8 @@ class SceneTrainer {
                const SceneTrainingOptions& options, std::vector<TreePart> parts,
                const std::string& output_path, bool quiet,
                const std::stop_token& stop)
-      : dataset_(dataset),
+      : recording_(dataset),
+        dataset_(dataset),
         options_(options),
         output_path_(output_path),
         quiet_(quiet),
@@ -139,6 +142,7 @@ class SceneTrainer {
   absl::StatusOr<TrainedScene> Train() {
     TL_RETURN_IF_ERROR(OpenBase());
     TL_RETURN_IF_ERROR(Calibrate());
+    TL_RETURN_IF_ERROR(UndoShutter());
     Describe();
     if (options_.splits_only) {
       Learned learned;
@@ -161,13 +165,14 @@ class SceneTrainer {
       Learned part;
       TL_RETURN_IF_ERROR(LearnRounds(split.train, part, whole));
       TL_RETURN_IF_ERROR(
-          FitConfidenceOn(part, dataset_.Subset(split.held_out)));
+          FitConfidenceOn(part, recording_.Subset(split.held_out)));
     }
     return Finish(whole);
   }
 
   absl::StatusOr<TrainedScene> TrainTree(int tree) {
     TL_RETURN_IF_ERROR(Calibrate());
+    TL_RETURN_IF_ERROR(UndoShutter());
     Describe();
     TreePart part;
     const std::vector<int> first = FirstFrames();
@@ -206,6 +211,23 @@ class SceneTrainer {
                         CalibrateRgbd(dataset_, calibrator, quiet_, stop_));
     if (options_.on_calibrated) options_.on_calibrated(report);
     calibration_ = report.calibration;
+    return absl::OkStatus();
+  }
+
+  // Queries are as the camera takes them, and so are frames that are held out.
+  absl::Status UndoShutter() {
+    if (is_extending() || !parts_.empty()) {
+      info_.shutter =
+          is_extending() ? base_->info().shutter : parts_.front().info.shutter;
+    } else {
+      TL_ASSIGN_OR_RETURN(const std::optional<ShutterEstimate> found,
+                          FindShutter(recording_, calibration_,
+                                      options_.forest.threads, quiet_, stop_));
+      if (found) info_.shutter = found->shutter;
+    }
+    if (info_.shutter) {
+      dataset_ = recording_.WithShutter(*info_.shutter, calibration_);
+    }
     return absl::OkStatus();
   }
 
@@ -447,7 +469,9 @@ class SceneTrainer {
     return std::move(scene_);
   }
 
-  const dataset::Dataset& dataset_;
+  const dataset::Dataset& recording_;
+  // What is learnt from: the recording's frames, with a rolling shutter undone.
+  dataset::Dataset dataset_;
   const SceneTrainingOptions& options_;
   const std::string& output_path_;
   const bool quiet_;

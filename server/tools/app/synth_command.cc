@@ -89,6 +89,7 @@ struct RecordFlags {
   std::string trajectory;
   std::string jpeg = "92";
   double blur_ms = 0;
+  double readout_ms = 0;
   bool has_people = false;
   bool quiet = false;
 };
@@ -116,6 +117,7 @@ absl::StatusOr<recorder::RecordOptions> OptionsOf(const RecordFlags& flags,
   options.format = flags.format == "tum" ? recorder::RecordFormat::kTum
                                          : recorder::RecordFormat::kSevenScenes;
   options.shutter_s = flags.blur_ms / 1000;
+  options.readout_s = flags.readout_ms / 1000;
   options.world_options.with_people = flags.has_people;
   TL_RETURN_IF_ERROR(ReadQualities(flags.jpeg, options));
   if (flags.trajectory.empty()) return options;
@@ -164,6 +166,12 @@ void AddSensorFlags(CLI::App& command, RecordFlags& flags) {
   command
       .add_option("--blur", flags.blur_ms,
                   "Motion blur: how long the shutter is open; 0: none")
+      ->type_name("MS")
+      ->capture_default_str();
+  command
+      .add_option("--readout-time", flags.readout_ms,
+                  "Rolling shutter: rows are exposed one after the other, in "
+                  "so long; 0: all at once")
       ->type_name("MS")
       ->capture_default_str();
   command.add_flag("--auto-exposure", flags.options.is_exposure_automatic,
