@@ -246,13 +246,21 @@ double ConfigurationSpace::CostPerMetre(const Spot& spot) const {
   const double comfort_m = footprint_.circumradius_m + kComfort_m;
   const double lack = std::clamp(
       (comfort_m - room_m) / (comfort_m - footprint_.inscribed_m), 0.0, 1.0);
-  return 1 + kNearCost * lack * lack +
-         kSlopeCost * ground_->SlopeSine(spot.level, cell);
+  return 1 + prices_.near * lack * lack +
+         prices_.slope * ground_->SlopeSine(spot.level, cell);
+}
+
+ConfigurationSpace ConfigurationSpace::WithPrices(
+    const WayPrices& prices) const {
+  ConfigurationSpace other = *this;
+  other.prices_ = prices;
+  return other;
 }
 
 double ConfigurationSpace::LineCost_m(const Spot& from, const Spot& to) const {
   const geometry::Vec2 way = to.at - from.at;
   const double length_m = geometry::Norm(way);
+  if (!(prices_.near > 0 || prices_.slope > 0)) return length_m;
   const int steps =
       std::max(1, static_cast<int>(std::ceil(length_m / kWayStep_m)));
   Spot at = from;

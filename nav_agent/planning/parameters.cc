@@ -9,6 +9,8 @@ std::vector<base::ParameterRow> PlanningParameters() {
           base::RowOf(kMaxIterations),
           base::RowOf(kComfort_m),
           base::RowOf(kNearCost),
+          base::RowOf(kComfortLength),
+          base::RowOf(kShortShare),
           base::RowOf(kSlopeCost),
           base::RowOf(kTurnCost),
           base::RowOf(kTurnStep),

@@ -61,11 +61,12 @@ bool CanBeDriven(const ConfigurationSpace& space, double start_yaw_rad,
 
 PathSmoother::PathSmoother(const ConfigurationSpace& space,
                            double start_yaw_rad, double goal_yaw_rad,
-                           Polyline way)
+                           Polyline way, double max_length_m)
     : space_(&space),
       start_yaw_rad_(start_yaw_rad),
       goal_yaw_rad_(goal_yaw_rad),
-      way_(std::move(way)) {
+      way_(std::move(way)),
+      max_length_m_(max_length_m) {
   for (size_t i = 1; i < way_.size(); ++i) {
     line_cost_m_.push_back(space.LineCost_m(way_[i - 1], way_[i]));
   }
@@ -188,11 +189,12 @@ bool PathSmoother::Replace(size_t first, size_t last, const Polyline& between) {
   }
   std::vector<double> costs_m;
   double new_cost_m = 0;
+  double longer_m = along_m_[first] - along_m_[last];
   double yaw_rad = yaw_into_rad;
   for (size_t i = 1; i < chain.size(); ++i) {
-    if (!(geometry::Norm(chain[i].at - chain[i - 1].at) > kMinLine_m / 2)) {
-      return false;
-    }
+    const double line_m = geometry::Norm(chain[i].at - chain[i - 1].at);
+    if (!(line_m > kMinLine_m / 2)) return false;
+    longer_m += line_m;
     const double next_rad = YawOf(chain[i - 1], chain[i]);
     costs_m.push_back(space_->LineCost_m(chain[i - 1], chain[i]));
     new_cost_m += costs_m.back() + TurnCost_m(yaw_rad, next_rad);
@@ -200,6 +202,7 @@ bool PathSmoother::Replace(size_t first, size_t last, const Polyline& between) {
   }
   new_cost_m += TurnCost_m(yaw_rad, yaw_out_rad);
   if (new_cost_m > old_cost_m - kMinGain_m ||
+      (longer_m > 0 && length_m() + longer_m > max_length_m_) ||
       !CanBeDriven(*space_, yaw_into_rad, yaw_out_rad, chain)) {
     return false;
   }

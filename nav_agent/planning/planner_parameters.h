@@ -20,6 +20,13 @@ inline constexpr base::Parameter<double> kComfort_m{
 inline constexpr base::Parameter<double> kNearCost{
     "near_cost", 1.0, "", base::ParameterOrigin::kTuned,
     "at contact, so much more"};
+inline constexpr base::Parameter<double> kComfortLength{
+    "comfort_length", 0.005, "", base::ParameterOrigin::kTuned,
+    "of the shortest way's length: what a cheaper way may be longer"};
+inline constexpr base::Parameter<double> kShortShare{
+    "short_share", 0.7, "", base::ParameterOrigin::kTuned,
+    "of the time, or of iterations: a short way is looked for; the rest makes "
+    "it cheap"};
 inline constexpr base::Parameter<double> kSlopeCost{
     "slope_cost", 2.0, "", base::ParameterOrigin::kTuned,
     "on ground inclined by a sine of 1, so much more"};
