@@ -10,6 +10,9 @@
 namespace treeline::planning {
 namespace {
 
+// Room beside is known so finely (m).
+constexpr double kRoomStep_m = 0.004;
+
 bool DiscTouches(const Disc& disc, const OrientedBox& box) {
   const geometry::Vec2 from_origin = disc.center - box.origin;
   const double x = box.cos_yaw * from_origin.x + box.sin_yaw * from_origin.y;
@@ -116,6 +119,21 @@ bool ConfigurationSpace::MayHoldDisc(const Spot& spot) const {
            geometry::Norm(center - disc.center) + diagonal_m / 2 <
                disc.radius_m + footprint_.inscribed_m;
   });
+}
+
+double ConfigurationSpace::RoomBeside_m(const Spot& spot, double yaw_rad,
+                                        int side, double reach_m) const {
+  const OrientedBox middle = BoxAt(spot.at, yaw_rad);
+  const geometry::Vec2 aside = {-side * middle.sin_yaw, side * middle.cos_yaw};
+  double room_m = 0;
+  for (double step_m = reach_m; step_m > kRoomStep_m; step_m /= 2) {
+    const double wide_m = std::min(reach_m, room_m + step_m);
+    OrientedBox box = middle;
+    box.origin = spot.at + (wide_m / 2) * aside;
+    box.half_width_m = wide_m / 2;
+    if (BoxIsFree(spot.level, box)) room_m = wide_m;
+  }
+  return room_m;
 }
 
 bool ConfigurationSpace::CanTurn(const Spot& spot, double from_yaw_rad,

@@ -64,6 +64,11 @@ class ConfigurationSpace {
   // False only where nothing as wide as the inscribed disc can be in the
   // spot's cell.
   bool MayHoldDisc(const Spot& spot) const;
+  // How much room the footprint that looks along `yaw_rad` has to its left,
+  // beyond the axle's middle (m, up to reach_m): 0 if there is none. The right:
+  // `side` -1.
+  double RoomBeside_m(const Spot& spot, double yaw_rad, int side,
+                      double reach_m) const;
   // A turn where it stands, the shorter way round.
   bool CanTurn(const Spot& spot, double from_yaw_rad, double to_yaw_rad) const;
   // The straight line from `from`; the robot looks along it, or

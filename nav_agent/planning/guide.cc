@@ -15,6 +15,8 @@ namespace {
 // Further points of a guide are not tried where nearer ones cannot be driven
 // to.
 constexpr size_t kTryAhead = 16;
+// The direction at a point is that between points so many before and after it.
+constexpr size_t kAlong = 2;
 
 // The first, the last, and between them one every spacing_m.
 Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
@@ -39,6 +41,26 @@ Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
   }
   thin.push_back(points.back());
   return thin;
+}
+
+// Points where it is narrow are moved to the middle between what is on both
+// sides of a footprint that looks along the points: gaps hardly wider than it
+// are as often as not between the middles of cells.
+void Center(const ConfigurationSpace& space, Polyline& points) {
+  const double reach_m = space.footprint().circumradius_m;
+  for (size_t i = 1; i + 1 < points.size(); ++i) {
+    if (space.FitsTurning(points[i])) continue;
+    const Spot& before = points[i < kAlong ? 0 : i - kAlong];
+    const Spot& after = points[std::min(points.size() - 1, i + kAlong)];
+    const geometry::Vec2 line = after.at - before.at;
+    const double length_m = geometry::Norm(line);
+    if (!(length_m > 1e-6)) continue;
+    const double yaw_rad = std::atan2(line.y, line.x);
+    const double left_m = space.RoomBeside_m(points[i], yaw_rad, 1, reach_m);
+    const double right_m = space.RoomBeside_m(points[i], yaw_rad, -1, reach_m);
+    const geometry::Vec2 aside = {-line.y / length_m, line.x / length_m};
+    points[i].at = points[i].at + ((left_m - right_m) / 2) * aside;
+  }
 }
 
 // A line of a way over some of the points: from one to a later one.
@@ -241,8 +263,9 @@ class Follower {
 PulledWay FollowGuide(const ConfigurationSpace& space, double start_yaw_rad,
                       double goal_yaw_rad, const Polyline& points,
                       double spacing_m, const GuideBridge& bridge) {
-  return Follower(space, start_yaw_rad, goal_yaw_rad,
-                  Thinned(space, points, spacing_m), bridge)
+  Polyline thin = Thinned(space, points, spacing_m);
+  Center(space, thin);
+  return Follower(space, start_yaw_rad, goal_yaw_rad, std::move(thin), bridge)
       .Run();
 }
 

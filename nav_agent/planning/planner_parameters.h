@@ -75,10 +75,14 @@ inline constexpr base::Parameter<double> kBridgeSpread{
 inline constexpr base::Parameter<int> kBridgeNodes{
     "bridge_nodes", 8000, "nodes", base::ParameterOrigin::kTuned,
     "that the lattice may look at over a narrow place"};
+inline constexpr base::Parameter<double> kSamePlace_m{
+    "same_place", 0.4, "m", base::ParameterOrigin::kTuned,
+    "narrow places whose ends are nearer than this are one: none is searched "
+    "twice"};
 inline constexpr base::Parameter<double> kAlternativeCost{
     "alternative_cost", 1.15, "", base::ParameterOrigin::kTuned,
-    "routes that cost more than the cheapest by this are not looked at: blocks "
-    "of cells have eight directions, so lengths are up to 8 % out"};
+    "routes longer than the best way by this are not looked at: blocks of "
+    "cells have eight directions, so lengths are up to 8 % out"};
 inline constexpr base::Parameter<double> kSight_m{
     "sight", 4.0, "m", base::ParameterOrigin::kTuned,
     "what is seen from a route over at most this is on the same side of "

@@ -61,7 +61,9 @@ class Planning {
   bool FollowRoutes(VariableRrt& trees, bool is_thorough);
   // A way from one stand to another one near by: two trees between them, and
   // where those do not meet soon the lattice, if it is to be thorough.
-  Polyline Bridge(const Stand& from, const Stand& to, bool is_thorough) const;
+  Polyline Bridge(const Stand& from, const Stand& to, bool is_thorough);
+  // Whether no way was found from near the one to near the other.
+  bool IsKnownNarrow(const Spot& from, const Spot& to) const;
   // Makes the regions around a place cost more.
   void Discourage(const Spot& stuck, std::vector<float>& weights) const;
   double Spacing_m() const {
@@ -98,6 +100,12 @@ class Planning {
   double share_ = 1;
   std::optional<Polyline> guide_;
   Polyline way_;
+  // Where the lattice found no way through.
+  struct NarrowPlace {
+    Spot from;
+    Spot to;
+  };
+  std::vector<NarrowPlace> too_narrow_;
   // Others that are hardly longer than the best one was.
   std::vector<Polyline> others_;
 };
@@ -157,8 +165,9 @@ bool Planning::FollowRoutes(VariableRrt& trees, bool is_thorough) {
 }
 
 Polyline Planning::Bridge(const Stand& from, const Stand& to,
-                          bool is_thorough) const {
+                          bool is_thorough) {
   if (IsOver()) return {};
+  if (is_thorough && IsKnownNarrow(from.spot, to.spot)) return {};
   const geometry::Vec2 line = to.spot.at - from.spot.at;
   const double length_m = geometry::Norm(line);
   VariableRrt trees(task_->space, from, to);
@@ -179,9 +188,20 @@ Polyline Planning::Bridge(const Stand& from, const Stand& to,
       task_->regions->RegionOf(task_->space.ground(), to.spot) < 0) {
     return {};
   }
-  return SearchLatticeNear(task_->space, *task_->regions, from, to,
-                           2 * length_m + kLastLine_m, kBridgeNodes,
-                           [this] { return IsOver(); });
+  Polyline way = SearchLatticeNear(task_->space, *task_->regions, from, to,
+                                   2 * length_m + kLastLine_m, kBridgeNodes,
+                                   [this] { return IsOver(); });
+  if (way.empty() && !IsOver()) too_narrow_.push_back({from.spot, to.spot});
+  return way;
+}
+
+bool Planning::IsKnownNarrow(const Spot& from, const Spot& to) const {
+  const auto is_near = [](const Spot& a, const Spot& b) {
+    return a.level == b.level && geometry::Norm(a.at - b.at) < kSamePlace_m;
+  };
+  return std::ranges::any_of(too_narrow_, [&](const NarrowPlace& place) {
+    return is_near(place.from, from) && is_near(place.to, to);
+  });
 }
 
 void Planning::Discourage(const Spot& stuck,
@@ -326,7 +346,7 @@ bool Planning::TryGuide(const Polyline& guide, bool is_thorough,
 
 void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
   Alternatives alternatives(task_->space, *task_->regions, task_->start.spot,
-                            task_->goal.spot);
+                            task_->goal.spot, best.length_m());
   const auto goes_on = [&] { return !IsUsed(share_, result); };
   std::vector<Polyline> narrow;
   for (Polyline guide = alternatives.Next(); !guide.empty() && goes_on();
