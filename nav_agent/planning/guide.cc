@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr size_t kTryAhead = 16;
 // The direction at a point is that between points so many before and after it.
 constexpr size_t kAlong = 2;
+// So many points before and after a narrow one lie in line with it.
+constexpr size_t kApproach = 4;
 
 // The first, the last, and between them one every spacing_m.
 Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
@@ -43,23 +46,39 @@ Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
   return thin;
 }
 
-// Points where it is narrow are moved to the middle between what is on both
-// sides of a footprint that looks along the points: gaps hardly wider than it
-// are as often as not between the middles of cells.
-void Center(const ConfigurationSpace& space, Polyline& points) {
+// What moves a point to the middle between what is on both sides of a footprint
+// that looks along the points; nullopt where nothing is near.
+std::optional<geometry::Vec2> ToMiddle(const ConfigurationSpace& space,
+                                       const Polyline& points, size_t i) {
   const double reach_m = space.footprint().circumradius_m;
+  const Spot& before = points[i < kAlong ? 0 : i - kAlong];
+  const Spot& after = points[std::min(points.size() - 1, i + kAlong)];
+  const geometry::Vec2 line = after.at - before.at;
+  const double length_m = geometry::Norm(line);
+  if (!(length_m > 1e-6) || space.FitsTurning(points[i])) return std::nullopt;
+  const double yaw_rad = std::atan2(line.y, line.x);
+  const double left_m = space.RoomBeside_m(points[i], yaw_rad, 1, reach_m);
+  const double right_m = space.RoomBeside_m(points[i], yaw_rad, -1, reach_m);
+  if (std::min(left_m, right_m) >= reach_m) return std::nullopt;
+  return ((left_m - right_m) / (2 * length_m)) *
+         geometry::Vec2{-line.y, line.x};
+}
+
+// Moves narrow points to the middle: gaps hardly wider than the footprint are
+// as often as not between the middles of cells. So are points before and after
+// a gap, so that it is come to straight.
+void Center(const ConfigurationSpace& space, Polyline& points) {
+  std::vector<std::optional<geometry::Vec2>> moves(points.size());
   for (size_t i = 1; i + 1 < points.size(); ++i) {
-    if (space.FitsTurning(points[i])) continue;
-    const Spot& before = points[i < kAlong ? 0 : i - kAlong];
-    const Spot& after = points[std::min(points.size() - 1, i + kAlong)];
-    const geometry::Vec2 line = after.at - before.at;
-    const double length_m = geometry::Norm(line);
-    if (!(length_m > 1e-6)) continue;
-    const double yaw_rad = std::atan2(line.y, line.x);
-    const double left_m = space.RoomBeside_m(points[i], yaw_rad, 1, reach_m);
-    const double right_m = space.RoomBeside_m(points[i], yaw_rad, -1, reach_m);
-    const geometry::Vec2 aside = {-line.y / length_m, line.x / length_m};
-    points[i].at = points[i].at + ((left_m - right_m) / 2) * aside;
+    moves[i] = ToMiddle(space, points, i);
+  }
+  for (size_t i = 1; i + 1 < points.size(); ++i) {
+    std::optional<geometry::Vec2> move = moves[i];
+    for (size_t k = 1; k <= kApproach && !move.has_value(); ++k) {
+      if (i >= k) move = moves[i - k];
+      if (!move.has_value() && i + k < points.size()) move = moves[i + k];
+    }
+    if (move.has_value()) points[i].at = points[i].at + *move;
   }
 }
 

@@ -166,6 +166,7 @@ bool PathSmoother::TryMove(base::Random& random) {
   const size_t point =
       1 + random.NextBelow(static_cast<uint32_t>(way_.size() - 2));
   if (random.NextBelow(4) == 0) return Replace(point - 1, point + 1, {});
+  if (random.NextBelow(2) == 0) return TryShift(point, random);
   // From a whole stride down to a hair.
   const double reach_m = 0.5 * std::pow(0.02, random.NextUnit());
   const geometry::Vec2 moved =
@@ -174,6 +175,24 @@ bool PathSmoother::TryMove(base::Random& random) {
   const std::optional<Spot> spot = space_->Drive(way_[point - 1], moved);
   if (!spot.has_value()) return false;
   return Replace(point - 1, point + 1, {*spot});
+}
+
+// Several points by the same: round a corner none of them moves alone.
+bool PathSmoother::TryShift(size_t point, base::Random& random) {
+  const size_t last =
+      std::min(way_.size() - 2,
+               point + random.NextBelow(uint32_t{kShiftedPoints.value}));
+  const double reach_m = 0.2 * std::pow(0.05, random.NextUnit());
+  const geometry::Vec2 shift = {reach_m * random.NextGaussian(),
+                                reach_m * random.NextGaussian()};
+  Polyline between;
+  for (size_t i = point; i <= last; ++i) {
+    const std::optional<Spot> spot =
+        space_->Follow(way_[i], way_[i].at + shift);
+    if (!spot.has_value()) return false;
+    between.push_back(*spot);
+  }
+  return Replace(point - 1, last + 1, between);
 }
 
 bool PathSmoother::Replace(size_t first, size_t last, const Polyline& between) {

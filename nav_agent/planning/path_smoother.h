@@ -22,7 +22,8 @@ class PathSmoother {
                double max_length_m = std::numeric_limits<double>::infinity());
 
   // One attempt at random: a straight line instead of some, a corner cut off,
-  // or a point moved or left out. True if the way costs less now.
+  // or a point or several moved, or one left out. True if the way costs less
+  // now.
   bool Try(base::Random& random);
 
   const Polyline& way() const { return way_; }
@@ -36,6 +37,7 @@ class PathSmoother {
   bool TryShortcut(base::Random& random);
   bool TryCut(base::Random& random);
   bool TryMove(base::Random& random);
+  bool TryShift(size_t point, base::Random& random);
   double YawInto(size_t point) const;
   double YawOutOf(size_t point) const;
   void SumUp();

@@ -84,7 +84,7 @@ inline constexpr base::Parameter<double> kAlternativeCost{
     "routes longer than the best way by this are not looked at: blocks of "
     "cells have eight directions, so lengths are up to 8 % out"};
 inline constexpr base::Parameter<double> kSight_m{
-    "sight", 4.0, "m", base::ParameterOrigin::kTuned,
+    "sight", 2.5, "m", base::ParameterOrigin::kTuned,
     "what is seen from a route over at most this is on the same side of "
     "things"};
 // ---- trees ----
@@ -126,6 +126,9 @@ inline constexpr base::Parameter<double> kMinLine_m{
 inline constexpr base::Parameter<int> kMoveEvery{
     "move_every", 3, "", base::ParameterOrigin::kTuned,
     "one attempt in so many moves a point, the others cut a corner"};
+inline constexpr base::Parameter<int> kShiftedPoints{
+    "shifted_points", 8, "points", base::ParameterOrigin::kTuned,
+    "at most so many in a row are moved at once"};
 inline constexpr base::Parameter<double> kShortcut_m{
     "shortcut", 6.0, "m", base::ParameterOrigin::kTuned,
     "three of four lines that are tried instead of others are of at most this"};
@@ -140,7 +143,13 @@ inline constexpr base::Parameter<int> kQuickAttempts{
     "another way is worked on if so many without a gain make it as cheap as "
     "the best, but for QuickExcess"};
 inline constexpr base::Parameter<double> kQuickExcess{
-    "quick_excess", 1.1, "", base::ParameterOrigin::kTuned,
+    "quick_excess", 1.06, "", base::ParameterOrigin::kTuned,
+    "of the best way's cost"};
+inline constexpr base::Parameter<int> kFairAttempts{
+    "fair_attempts", 120, "", base::ParameterOrigin::kTuned,
+    "then so many more, if those make it as cheap but for FairExcess"};
+inline constexpr base::Parameter<double> kFairExcess{
+    "fair_excess", 1.02, "", base::ParameterOrigin::kTuned,
     "of the best way's cost"};
 inline constexpr base::Parameter<int> kRestartIterations{
     "restart_iterations", 200, "", base::ParameterOrigin::kTuned,

@@ -51,8 +51,10 @@ class Planning {
   double Elapsed_s() const {
     return base::SecondsBetween(begin_, ClockOf(budget_).Now());
   }
+  // Whether the time that what is under way may take is over.
   bool IsOver() const {
-    return stop_->stop_requested() || Elapsed_s() >= budget_.max_time_s;
+    return stop_->stop_requested() ||
+           Elapsed_s() >= share_ * budget_.max_time_s;
   }
   // Anywhere in the area of start and goal; near the guide if there is one.
   Spot SampleOf(uint64_t stream, uint64_t iteration) const;
@@ -70,8 +72,8 @@ class Planning {
     return std::max(kGuideSpacing_m.value,
                     task_->space.ground().resolution_m());
   }
-  // Whether a share of the budget is used up.
-  bool IsUsed(double share, const PlanResult& result) const;
+  // The same, of iterations too.
+  bool IsUsed(const PlanResult& result) const;
   // Cuts and moves until so many in a row gain nothing.
   void Polish(PathSmoother& improver, int max_idle, PlanResult& result);
   void PolishWell(PathSmoother& improver, PlanResult& result);
@@ -272,15 +274,14 @@ void Planning::FindThoroughly(PlanResult& result) {
       Elapsed_s());
 }
 
-bool Planning::IsUsed(double share, const PlanResult& result) const {
-  return IsOver() || Elapsed_s() >= share * budget_.max_time_s ||
-         result.iterations >= share * budget_.max_iterations;
+bool Planning::IsUsed(const PlanResult& result) const {
+  return IsOver() || result.iterations >= share_ * budget_.max_iterations;
 }
 
 void Planning::Polish(PathSmoother& improver, int max_idle,
                       PlanResult& result) {
   for (int idle = 0; idle < max_idle; ++result.iterations) {
-    if (result.iterations % kStopEvery == 0 && IsUsed(share_, result)) return;
+    if (result.iterations % kStopEvery == 0 && IsUsed(result)) return;
     base::Random random(seed_ + (kImprovements << 32),
                         static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;
@@ -324,6 +325,8 @@ void Planning::TryOther(Polyline other, PathSmoother& best,
                         std::move(other));
   Polish(improver, kQuickAttempts, result);
   if (improver.cost_m() > kQuickExcess * best.cost_m()) return;
+  Polish(improver, kFairAttempts, result);
+  if (improver.cost_m() > kFairExcess * best.cost_m()) return;
   PolishWell(improver, result);
   const bool is_shorter = improver.cost_m() < best.cost_m();
   if (is_shorter) std::swap(best, improver);
@@ -347,7 +350,7 @@ bool Planning::TryGuide(const Polyline& guide, bool is_thorough,
 void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
   Alternatives alternatives(task_->space, *task_->regions, task_->start.spot,
                             task_->goal.spot, best.length_m());
-  const auto goes_on = [&] { return !IsUsed(share_, result); };
+  const auto goes_on = [&] { return !IsUsed(result); };
   std::vector<Polyline> narrow;
   for (Polyline guide = alternatives.Next(); !guide.empty() && goes_on();
        guide = alternatives.Next()) {
@@ -364,10 +367,10 @@ void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
 
 void Planning::Shorten(PathSmoother& best, PlanResult& result) {
   Polish(best, kIdleAttempts, result);
-  if (!IsUsed(share_, result)) TryAlternatives(best, result);
+  if (!IsUsed(result)) TryAlternatives(best, result);
   PolishWell(best, result);
   int idle = 0;
-  for (uint64_t restart = 1; idle < kIdleRestarts && !IsUsed(share_, result);
+  for (uint64_t restart = 1; idle < kIdleRestarts && !IsUsed(result);
        ++restart) {
     ++idle;
     ++result.iterations;
