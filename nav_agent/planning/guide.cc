@@ -149,6 +149,8 @@ class Follower {
     pulled.reached = points_[at_];
     return pulled;
   }
+  // Up to which point it has come.
+  size_t at() const { return at_; }
 
  private:
   static constexpr uint8_t kUnknown = 0;
@@ -282,10 +284,17 @@ class Follower {
 PulledWay FollowGuide(const ConfigurationSpace& space, double start_yaw_rad,
                       double goal_yaw_rad, const Polyline& points,
                       double spacing_m, const GuideBridge& bridge) {
-  Polyline thin = Thinned(space, points, spacing_m);
-  Center(space, thin);
-  return Follower(space, start_yaw_rad, goal_yaw_rad, std::move(thin), bridge)
-      .Run();
+  const Polyline thin = Thinned(space, points, spacing_m);
+  Polyline centered = thin;
+  Center(space, centered);
+  Follower in_middle(space, start_yaw_rad, goal_yaw_rad, std::move(centered),
+                     bridge);
+  PulledWay pulled = in_middle.Run();
+  if (pulled.is_whole) return pulled;
+  // Where walls are not parallel the middle may be worse.
+  Follower as_given(space, start_yaw_rad, goal_yaw_rad, thin, bridge);
+  PulledWay other = as_given.Run();
+  return other.is_whole || as_given.at() > in_middle.at() ? other : pulled;
 }
 
 PulledWay PullTight(const ConfigurationSpace& space, double start_yaw_rad,
