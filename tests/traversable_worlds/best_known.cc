@@ -204,8 +204,7 @@ Polyline PointWay::Find(geometry::Vec2 start, geometry::Vec2 goal,
   return way;
 }
 
-BestKnown::BestKnown(std::shared_ptr<const traversability::NavigationMap> map,
-                     const planning::PlanGround& ground, const PointWay& point,
+BestKnown::BestKnown(const planning::PlanGround& ground, const PointWay& point,
                      const planning::GlobalPlanner& planner,
                      const planning::PlanRequest& request, int rounds,
                      double plan_s)
@@ -226,7 +225,7 @@ BestKnown::BestKnown(std::shared_ptr<const traversability::NavigationMap> map,
                                      {});
     if (result.ok()) Offer(WayOf(*result));
   }
-  if (map->levels() > 1) return;
+  if (ground.index->levels() > 1) return;
   const planning::Stand start = planning::StandOf(*ground.index, request.start);
   const planning::Stand goal = planning::StandOf(*ground.index, request.goal);
   const Polyline shortest =
@@ -266,7 +265,7 @@ Polyline BestKnown::WayOf(const planning::PlanResult& result) const {
 }
 
 Polyline BestKnown::Polished(const planning::ConfigurationSpace& space,
-                             Polyline way) const {
+                             const Polyline& way) const {
   const planning::Stand start =
       planning::StandOf(*ground_->index, request_.start);
   const planning::Stand goal =
@@ -288,7 +287,7 @@ Polyline BestKnown::Polished(const planning::ConfigurationSpace& space,
 
 void BestKnown::Offer(Polyline way) {
   if (way.size() < 2) return;
-  way = Polished(plain_, std::move(way));
+  way = Polished(plain_, way);
   const double length_m = planning::PathLength_m(way);
   if (length_m >= length_m_) return;
   length_m_ = length_m;

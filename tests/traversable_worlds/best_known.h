@@ -55,8 +55,7 @@ class BestKnown {
   // point's way, and if that is much shorter over the whole lattice; makes all
   // of them as short as can be. `planner`: the ordinary
   // one on the same map.
-  BestKnown(std::shared_ptr<const traversability::NavigationMap> map,
-            const planning::PlanGround& ground, const PointWay& point,
+  BestKnown(const planning::PlanGround& ground, const PointWay& point,
             const planning::GlobalPlanner& planner,
             const planning::PlanRequest& request, int rounds, double plan_s);
 
@@ -70,7 +69,7 @@ class BestKnown {
  private:
   // At the least cost in a space, starting from a way that can be driven.
   planning::Polyline Polished(const planning::ConfigurationSpace& space,
-                              planning::Polyline way) const;
+                              const planning::Polyline& way) const;
   void Offer(planning::Polyline way);
   planning::Polyline WayOf(const planning::PlanResult& result) const;
 

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/processor_time.h"
 #include "nav_agent/planning/global_planner.h"
@@ -174,7 +175,7 @@ void MeasureOn(const Map& map, const std::string& name, int pairs,
   for (const planning::PlanRequest& request : RequestsOn(map, pairs, seed)) {
     std::unique_ptr<BestKnown> best;
     if (options.best_s > 0) {
-      best = std::make_unique<BestKnown>(map, ground, point, *own, request,
+      best = std::make_unique<BestKnown>(ground, point, *own, request,
                                          kBestRounds, options.best_s);
     }
     for (size_t i = 0; i < measured.size(); ++i) {
@@ -182,7 +183,8 @@ void MeasureOn(const Map& map, const std::string& name, int pairs,
       Count(result, best.get(),
             FirstPath_ms(options.planners[i], measured[i], request),
             tallies[i]);
-      Tell(options.planners[i] + " " + name, request, result, best.get());
+      Tell(absl::StrCat(options.planners[i], " ", name), request, result,
+           best.get());
     }
   }
 }
@@ -211,7 +213,7 @@ void Measure(const std::string& kind, const std::string& size,
     const Map map = is_file
                         ? ReadPlannerMap(kind)
                         : MakePlannerMap(kind, std::atoi(size.c_str()), seed);
-    MeasureOn(map, kind + " " + size,
+    MeasureOn(map, absl::StrCat(kind, " ", size),
               std::min(pairs_a_map, options.pairs - done), seed, options,
               tallies);
   }
