@@ -2,7 +2,10 @@
 #ifndef COMMON_BASE_PROCESSOR_TIME_H_
 #define COMMON_BASE_PROCESSOR_TIME_H_
 
+#include <chrono>
 #include <ctime>
+
+#include "common/base/clock.h"
 
 namespace treeline::base {
 
@@ -14,6 +17,15 @@ inline double ThreadProcessorTime_ms() {
   return 1e3 * static_cast<double>(time.tv_sec) +
          1e-6 * static_cast<double>(time.tv_nsec);
 }
+
+// The same as a clock: of the thread that asks, so only within one thread.
+class ThreadProcessorClock final : public Clock {
+ public:
+  MonotonicTime Now() const override {
+    return MonotonicTime(std::chrono::duration_cast<MonotonicTime::duration>(
+        std::chrono::duration<double, std::milli>(ThreadProcessorTime_ms())));
+  }
+};
 
 }  // namespace treeline::base
 

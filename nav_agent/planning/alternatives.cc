@@ -2,28 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+}  // namespace
 
 Alternatives::Alternatives(const ConfigurationSpace& space,
                            const Regions& regions, const Spot& start,
-                           const Spot& goal)
+                           const Spot& goal, double known_m)
     : space_(&space),
       regions_(&regions),
       start_(start),
       goal_(goal),
       start_region_(
           static_cast<uint32_t>(regions.RegionOf(space.ground(), start))),
-      from_start_(regions, start_region_),
+      from_start_(regions, start_region_, kFar, &Regions::Edge::short_m),
       to_goal_(regions,
-               static_cast<uint32_t>(regions.RegionOf(space.ground(), goal))),
+               static_cast<uint32_t>(regions.RegionOf(space.ground(), goal)),
+               kFar, &Regions::Edge::short_m),
       is_covered_(regions.count(), false) {
   const auto max_cost_m = static_cast<float>(
       kAlternativeCost *
-      (to_goal_.cost_m(start_region_) +
-       Regions::kBlockCells * space.ground().resolution_m()));
+      (known_m + Regions::kBlockCells * space.ground().resolution_m()));
   for (uint32_t region = 0; region < regions.count(); ++region) {
     const float cost_m = from_start_.cost_m(region) + to_goal_.cost_m(region);
     if (cost_m <= max_cost_m) vias_.push_back({cost_m, region});

@@ -10,16 +10,18 @@
 namespace treeline::planning {
 
 // Routes from one place to another, each on another side of something than all
-// before it, the cheapest first. Every region has a cheapest route over it; of
+// before it, the shortest first. Every region has a shortest route over it; of
 // those regions that cannot be seen from a route that is known, the one with
-// the cheapest is next.
+// the shortest is next.
 class Alternatives {
  public:
+  // known_m: the length of a way that can be driven (m).
   Alternatives(const ConfigurationSpace& space, const Regions& regions,
-               const Spot& start, const Spot& goal);
+               const Spot& start, const Spot& goal, double known_m);
 
-  // Points from start to goal. The first call gives the cheapest route; empty
-  // where none is left that costs less than kAlternativeCost times as much.
+  // Points from start to goal. The first call gives the shortest route; empty
+  // where none is left that is shorter than kAlternativeCost times what is
+  // known: the shortest ones may be too narrow.
   Polyline Next();
 
  private:

@@ -10,6 +10,9 @@
 namespace treeline::planning {
 namespace {
 
+// Room beside is known so finely (m).
+constexpr double kRoomStep_m = 0.004;
+
 bool DiscTouches(const Disc& disc, const OrientedBox& box) {
   const geometry::Vec2 from_origin = disc.center - box.origin;
   const double x = box.cos_yaw * from_origin.x + box.sin_yaw * from_origin.y;
@@ -116,6 +119,21 @@ bool ConfigurationSpace::MayHoldDisc(const Spot& spot) const {
            geometry::Norm(center - disc.center) + diagonal_m / 2 <
                disc.radius_m + footprint_.inscribed_m;
   });
+}
+
+double ConfigurationSpace::RoomBeside_m(const Spot& spot, double yaw_rad,
+                                        int side, double reach_m) const {
+  const OrientedBox middle = BoxAt(spot.at, yaw_rad);
+  const geometry::Vec2 aside = {-side * middle.sin_yaw, side * middle.cos_yaw};
+  double room_m = 0;
+  for (double step_m = reach_m; step_m > kRoomStep_m; step_m /= 2) {
+    const double wide_m = std::min(reach_m, room_m + step_m);
+    OrientedBox box = middle;
+    box.origin = spot.at + (wide_m / 2) * aside;
+    box.half_width_m = wide_m / 2;
+    if (BoxIsFree(spot.level, box)) room_m = wide_m;
+  }
+  return room_m;
 }
 
 bool ConfigurationSpace::CanTurn(const Spot& spot, double from_yaw_rad,
@@ -246,13 +264,21 @@ double ConfigurationSpace::CostPerMetre(const Spot& spot) const {
   const double comfort_m = footprint_.circumradius_m + kComfort_m;
   const double lack = std::clamp(
       (comfort_m - room_m) / (comfort_m - footprint_.inscribed_m), 0.0, 1.0);
-  return 1 + kNearCost * lack * lack +
-         kSlopeCost * ground_->SlopeSine(spot.level, cell);
+  return 1 + prices_.near * lack * lack +
+         prices_.slope * ground_->SlopeSine(spot.level, cell);
+}
+
+ConfigurationSpace ConfigurationSpace::WithPrices(
+    const WayPrices& prices) const {
+  ConfigurationSpace other = *this;
+  other.prices_ = prices;
+  return other;
 }
 
 double ConfigurationSpace::LineCost_m(const Spot& from, const Spot& to) const {
   const geometry::Vec2 way = to.at - from.at;
   const double length_m = geometry::Norm(way);
+  if (!(prices_.near > 0 || prices_.slope > 0)) return length_m;
   const int steps =
       std::max(1, static_cast<int>(std::ceil(length_m / kWayStep_m)));
   Spot at = from;

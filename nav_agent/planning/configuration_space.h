@@ -8,6 +8,7 @@
 
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/planning/ground_index.h"
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 
@@ -21,6 +22,14 @@ struct Footprint {
   double inscribed_m = 0;
 
   static Footprint Of(const core::RobotModel& robot, double margin_m);
+};
+
+// What a metre costs beside its length.
+struct WayPrices {
+  // At contact with things, so much more.
+  double near = kNearCost;
+  // On ground inclined by a sine of 1, so much more.
+  double slope = kSlopeCost;
 };
 
 // A disc that nothing may touch, in the grids' frame.
@@ -37,6 +46,8 @@ class ConfigurationSpace {
  public:
   ConfigurationSpace(std::shared_ptr<const GroundIndex> ground,
                      const Footprint& footprint, std::vector<Disc> discs);
+  // The same with other prices.
+  ConfigurationSpace WithPrices(const WayPrices& prices) const;
 
   const GroundIndex& ground() const { return *ground_; }
   const Footprint& footprint() const { return footprint_; }
@@ -53,6 +64,11 @@ class ConfigurationSpace {
   // False only where nothing as wide as the inscribed disc can be in the
   // spot's cell.
   bool MayHoldDisc(const Spot& spot) const;
+  // How much room the footprint that looks along `yaw_rad` has to its left,
+  // beyond the axle's middle (m, up to reach_m): 0 if there is none. The right:
+  // `side` -1.
+  double RoomBeside_m(const Spot& spot, double yaw_rad, int side,
+                      double reach_m) const;
   // A turn where it stands, the shorter way round.
   bool CanTurn(const Spot& spot, double from_yaw_rad, double to_yaw_rad) const;
   // The straight line from `from`; the robot looks along it, or
@@ -78,6 +94,7 @@ class ConfigurationSpace {
   std::shared_ptr<const GroundIndex> ground_;
   Footprint footprint_;
   std::vector<Disc> discs_;
+  WayPrices prices_;
 };
 
 }  // namespace treeline::planning

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/base/clock.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/navigation_cause.h"
 #include "nav_agent/core/robot_model.h"
@@ -47,6 +48,9 @@ struct PlanBudget {
   double max_time_s = std::numeric_limits<double>::infinity();
   // false: the first path will do (of variable-rrt).
   bool improves = true;
+  // What time is counted by, of variable-rrt, which plans in the caller's
+  // thread; not owned. Null: the steady clock.
+  const base::Clock* clock = nullptr;
 };
 
 struct PlanResult {

@@ -83,6 +83,27 @@ TEST(GlobalPlannerTest, StraightWayInAnEmptyRoomIsStraight) {
   ExpectClear(*map, result);
 }
 
+TEST(GlobalPlannerTest, WaysAreAsShortAsTheFootprintLets) {
+  // Round the end of a wall: two tangents, two arcs of half a width and a
+  // margin about its corners, and a line between them.
+  std::vector<std::string> rows = RoomRows(80, 60);
+  Fill(rows, 40, 42, 30, 59, '#');
+  const auto map = DrawnMap(rows);
+  constexpr double kRadius_m = 0.31 + 0.03;
+  const auto half_m = [](double x, double y) {
+    const double reach_m = std::hypot(x, y);
+    return std::sqrt(reach_m * reach_m - kRadius_m * kRadius_m) +
+           kRadius_m * (std::atan2(y, x) + std::asin(kRadius_m / reach_m));
+  };
+  const double shortest_m = half_m(3, 1.5) + 0.2 + half_m(2.8, 1.5);
+  const PlanResult result =
+      PlanOf(*Planner(map), {.start = At(1, 4.5), .goal = At(7, 4.5)}, 20000);
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
+  ExpectClear(*map, result);
+  EXPECT_LT(result.length_m, 1.01 * shortest_m);
+  EXPECT_GT(result.length_m, 0.999 * shortest_m);
+}
+
 TEST(GlobalPlannerTest, PassesDoorsThatTheFootprintJustFits) {
   for (const int width_dm : {8, 9}) {
     const auto map = TwoRooms(width_dm);

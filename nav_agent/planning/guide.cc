@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
@@ -15,6 +16,10 @@ namespace {
 // Further points of a guide are not tried where nearer ones cannot be driven
 // to.
 constexpr size_t kTryAhead = 16;
+// The direction at a point is that between points so many before and after it.
+constexpr size_t kAlong = 2;
+// So many points before and after a narrow one lie in line with it.
+constexpr size_t kApproach = 4;
 
 // The first, the last, and between them one every spacing_m.
 Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
@@ -39,6 +44,42 @@ Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
   }
   thin.push_back(points.back());
   return thin;
+}
+
+// What moves a point to the middle between what is on both sides of a footprint
+// that looks along the points; nullopt where nothing is near.
+std::optional<geometry::Vec2> ToMiddle(const ConfigurationSpace& space,
+                                       const Polyline& points, size_t i) {
+  const double reach_m = space.footprint().circumradius_m;
+  const Spot& before = points[i < kAlong ? 0 : i - kAlong];
+  const Spot& after = points[std::min(points.size() - 1, i + kAlong)];
+  const geometry::Vec2 line = after.at - before.at;
+  const double length_m = geometry::Norm(line);
+  if (!(length_m > 1e-6) || space.FitsTurning(points[i])) return std::nullopt;
+  const double yaw_rad = std::atan2(line.y, line.x);
+  const double left_m = space.RoomBeside_m(points[i], yaw_rad, 1, reach_m);
+  const double right_m = space.RoomBeside_m(points[i], yaw_rad, -1, reach_m);
+  if (std::min(left_m, right_m) >= reach_m) return std::nullopt;
+  return ((left_m - right_m) / (2 * length_m)) *
+         geometry::Vec2{-line.y, line.x};
+}
+
+// Moves narrow points to the middle: gaps hardly wider than the footprint are
+// as often as not between the middles of cells. So are points before and after
+// a gap, so that it is come to straight.
+void Center(const ConfigurationSpace& space, Polyline& points) {
+  std::vector<std::optional<geometry::Vec2>> moves(points.size());
+  for (size_t i = 1; i + 1 < points.size(); ++i) {
+    moves[i] = ToMiddle(space, points, i);
+  }
+  for (size_t i = 1; i + 1 < points.size(); ++i) {
+    std::optional<geometry::Vec2> move = moves[i];
+    for (size_t k = 1; k <= kApproach && !move.has_value(); ++k) {
+      if (i >= k) move = moves[i - k];
+      if (!move.has_value() && i + k < points.size()) move = moves[i + k];
+    }
+    if (move.has_value()) points[i].at = points[i].at + *move;
+  }
 }
 
 // A line of a way over some of the points: from one to a later one.
@@ -108,6 +149,8 @@ class Follower {
     pulled.reached = points_[at_];
     return pulled;
   }
+  // Up to which point it has come.
+  size_t at() const { return at_; }
 
  private:
   static constexpr uint8_t kUnknown = 0;
@@ -241,9 +284,17 @@ class Follower {
 PulledWay FollowGuide(const ConfigurationSpace& space, double start_yaw_rad,
                       double goal_yaw_rad, const Polyline& points,
                       double spacing_m, const GuideBridge& bridge) {
-  return Follower(space, start_yaw_rad, goal_yaw_rad,
-                  Thinned(space, points, spacing_m), bridge)
-      .Run();
+  const Polyline thin = Thinned(space, points, spacing_m);
+  Polyline centered = thin;
+  Center(space, centered);
+  Follower in_middle(space, start_yaw_rad, goal_yaw_rad, std::move(centered),
+                     bridge);
+  PulledWay pulled = in_middle.Run();
+  if (pulled.is_whole) return pulled;
+  // Where walls are not parallel the middle may be worse.
+  Follower as_given(space, start_yaw_rad, goal_yaw_rad, thin, bridge);
+  PulledWay other = as_given.Run();
+  return other.is_whole || as_given.at() > in_middle.at() ? other : pulled;
 }
 
 PulledWay PullTight(const ConfigurationSpace& space, double start_yaw_rad,

@@ -21,7 +21,6 @@ namespace {
 constexpr auto kHeadings = static_cast<int>(kCellSteps.size());
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-constexpr auto kEstimateWeight = static_cast<float>(kGreed.value);
 static_assert(kHeadings == 16, "a flood's bits");
 constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
@@ -36,11 +35,12 @@ double YawOf(int heading) {
 class Lattice {
  public:
   Lattice(const ConfigurationSpace& space, const Regions& regions,
-          const Stand& start, const Stand& goal, double reach_m,
+          const Stand& start, const Stand& goal, double reach_m, double weight,
           const std::function<bool()>& is_over)
       : space_(&space),
         ground_(&space.ground()),
         is_over_(&is_over),
+        weight_(static_cast<float>(weight)),
         start_(start),
         goal_(goal),
         offset_(start.spot.at -
@@ -324,7 +324,7 @@ class Lattice {
     if (cost_m >= node.cost_m || !std::isfinite(estimate_m)) return;
     node.cost_m = cost_m;
     node.parent = from;
-    open_.push({cost_m + kEstimateWeight * estimate_m, number});
+    open_.push({cost_m + weight_ * estimate_m, number});
   }
 
   // Whether it turns there from a heading to the next one to the left.
@@ -433,6 +433,7 @@ class Lattice {
   const ConfigurationSpace* space_;
   const GroundIndex* ground_;
   const std::function<bool()>* is_over_;
+  float weight_;
   Stand start_;
   Stand goal_;
   // From cells' centres to the places: one of them is the start.
@@ -450,9 +451,9 @@ class Lattice {
 
 Polyline SearchLattice(const ConfigurationSpace& space, const Regions& regions,
                        const Stand& start, const Stand& goal,
-                       const std::function<bool()>& is_over) {
+                       const std::function<bool()>& is_over, double weight) {
   return Lattice(space, regions, start, goal,
-                 std::numeric_limits<double>::infinity(), is_over)
+                 std::numeric_limits<double>::infinity(), weight, is_over)
       .Run();
 }
 
@@ -464,7 +465,8 @@ Polyline SearchLatticeNear(const ConfigurationSpace& space,
   const std::function<bool()> is_enough = [&] {
     return kStopEvery * asked++ > max_nodes || is_over();
   };
-  return Lattice(space, regions, start, goal, reach_m, is_enough).RunNear();
+  return Lattice(space, regions, start, goal, reach_m, kGreed, is_enough)
+      .RunNear();
 }
 
 }  // namespace treeline::planning

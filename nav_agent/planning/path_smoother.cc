@@ -61,11 +61,12 @@ bool CanBeDriven(const ConfigurationSpace& space, double start_yaw_rad,
 
 PathSmoother::PathSmoother(const ConfigurationSpace& space,
                            double start_yaw_rad, double goal_yaw_rad,
-                           Polyline way)
+                           Polyline way, double max_length_m)
     : space_(&space),
       start_yaw_rad_(start_yaw_rad),
       goal_yaw_rad_(goal_yaw_rad),
-      way_(std::move(way)) {
+      way_(std::move(way)),
+      max_length_m_(max_length_m) {
   for (size_t i = 1; i < way_.size(); ++i) {
     line_cost_m_.push_back(space.LineCost_m(way_[i - 1], way_[i]));
   }
@@ -165,6 +166,7 @@ bool PathSmoother::TryMove(base::Random& random) {
   const size_t point =
       1 + random.NextBelow(static_cast<uint32_t>(way_.size() - 2));
   if (random.NextBelow(4) == 0) return Replace(point - 1, point + 1, {});
+  if (random.NextBelow(2) == 0) return TryShift(point, random);
   // From a whole stride down to a hair.
   const double reach_m = 0.5 * std::pow(0.02, random.NextUnit());
   const geometry::Vec2 moved =
@@ -173,6 +175,24 @@ bool PathSmoother::TryMove(base::Random& random) {
   const std::optional<Spot> spot = space_->Drive(way_[point - 1], moved);
   if (!spot.has_value()) return false;
   return Replace(point - 1, point + 1, {*spot});
+}
+
+// Several points by the same: round a corner none of them moves alone.
+bool PathSmoother::TryShift(size_t point, base::Random& random) {
+  const size_t last =
+      std::min(way_.size() - 2,
+               point + random.NextBelow(uint32_t{kShiftedPoints.value}));
+  const double reach_m = 0.2 * std::pow(0.05, random.NextUnit());
+  const geometry::Vec2 shift = {reach_m * random.NextGaussian(),
+                                reach_m * random.NextGaussian()};
+  Polyline between;
+  for (size_t i = point; i <= last; ++i) {
+    const std::optional<Spot> spot =
+        space_->Follow(way_[i], way_[i].at + shift);
+    if (!spot.has_value()) return false;
+    between.push_back(*spot);
+  }
+  return Replace(point - 1, last + 1, between);
 }
 
 bool PathSmoother::Replace(size_t first, size_t last, const Polyline& between) {
@@ -188,11 +208,12 @@ bool PathSmoother::Replace(size_t first, size_t last, const Polyline& between) {
   }
   std::vector<double> costs_m;
   double new_cost_m = 0;
+  double longer_m = along_m_[first] - along_m_[last];
   double yaw_rad = yaw_into_rad;
   for (size_t i = 1; i < chain.size(); ++i) {
-    if (!(geometry::Norm(chain[i].at - chain[i - 1].at) > kMinLine_m / 2)) {
-      return false;
-    }
+    const double line_m = geometry::Norm(chain[i].at - chain[i - 1].at);
+    if (!(line_m > kMinLine_m / 2)) return false;
+    longer_m += line_m;
     const double next_rad = YawOf(chain[i - 1], chain[i]);
     costs_m.push_back(space_->LineCost_m(chain[i - 1], chain[i]));
     new_cost_m += costs_m.back() + TurnCost_m(yaw_rad, next_rad);
@@ -200,6 +221,7 @@ bool PathSmoother::Replace(size_t first, size_t last, const Polyline& between) {
   }
   new_cost_m += TurnCost_m(yaw_rad, yaw_out_rad);
   if (new_cost_m > old_cost_m - kMinGain_m ||
+      (longer_m > 0 && length_m() + longer_m > max_length_m_) ||
       !CanBeDriven(*space_, yaw_into_rad, yaw_out_rad, chain)) {
     return false;
   }

@@ -3,6 +3,8 @@
 #define NAV_AGENT_PLANNING_PATH_SMOOTHER_H_
 
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 #include "common/base/random.h"
 #include "nav_agent/planning/configuration_space.h"
@@ -13,16 +15,20 @@ namespace treeline::planning {
 // Of a way between two headings.
 class PathSmoother {
  public:
-  // `way` must be one that can be driven.
+  // `way` must be one that can be driven. It gets no longer than max_length_m
+  // (m), or than it is, to cost less.
   PathSmoother(const ConfigurationSpace& space, double start_yaw_rad,
-               double goal_yaw_rad, Polyline way);
+               double goal_yaw_rad, Polyline way,
+               double max_length_m = std::numeric_limits<double>::infinity());
 
   // One attempt at random: a straight line instead of some, a corner cut off,
-  // or a point moved or left out. True if the way costs less now.
+  // or a point or several moved, or one left out. True if the way costs less
+  // now.
   bool Try(base::Random& random);
 
   const Polyline& way() const { return way_; }
   double cost_m() const { return cost_m_; }
+  double length_m() const { return along_m_.back(); }
 
  private:
   // Puts `between` between the points `first` and `last`, if that can be driven
@@ -31,6 +37,7 @@ class PathSmoother {
   bool TryShortcut(base::Random& random);
   bool TryCut(base::Random& random);
   bool TryMove(base::Random& random);
+  bool TryShift(size_t point, base::Random& random);
   double YawInto(size_t point) const;
   double YawOutOf(size_t point) const;
   void SumUp();
@@ -39,6 +46,7 @@ class PathSmoother {
   double start_yaw_rad_;
   double goal_yaw_rad_;
   Polyline way_;
+  double max_length_m_;
   double cost_m_ = 0;
   // From the start to each point (m), and what each line costs (m).
   std::vector<double> along_m_;

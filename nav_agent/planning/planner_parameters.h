@@ -20,6 +20,13 @@ inline constexpr base::Parameter<double> kComfort_m{
 inline constexpr base::Parameter<double> kNearCost{
     "near_cost", 1.0, "", base::ParameterOrigin::kTuned,
     "at contact, so much more"};
+inline constexpr base::Parameter<double> kComfortLength{
+    "comfort_length", 0.005, "", base::ParameterOrigin::kTuned,
+    "of the shortest way's length: what a cheaper way may be longer"};
+inline constexpr base::Parameter<double> kShortShare{
+    "short_share", 0.7, "", base::ParameterOrigin::kTuned,
+    "of the time, or of iterations: a short way is looked for; the rest makes "
+    "it cheap"};
 inline constexpr base::Parameter<double> kSlopeCost{
     "slope_cost", 2.0, "", base::ParameterOrigin::kTuned,
     "on ground inclined by a sine of 1, so much more"};
@@ -68,12 +75,16 @@ inline constexpr base::Parameter<double> kBridgeSpread{
 inline constexpr base::Parameter<int> kBridgeNodes{
     "bridge_nodes", 8000, "nodes", base::ParameterOrigin::kTuned,
     "that the lattice may look at over a narrow place"};
+inline constexpr base::Parameter<double> kSamePlace_m{
+    "same_place", 0.4, "m", base::ParameterOrigin::kTuned,
+    "narrow places whose ends are nearer than this are one: none is searched "
+    "twice"};
 inline constexpr base::Parameter<double> kAlternativeCost{
     "alternative_cost", 1.15, "", base::ParameterOrigin::kTuned,
-    "routes that cost more than the cheapest by this are not looked at: blocks "
-    "of cells have eight directions, so lengths are up to 8 % out"};
+    "routes longer than the best way by this are not looked at: blocks of "
+    "cells have eight directions, so lengths are up to 8 % out"};
 inline constexpr base::Parameter<double> kSight_m{
-    "sight", 4.0, "m", base::ParameterOrigin::kTuned,
+    "sight", 2.5, "m", base::ParameterOrigin::kTuned,
     "what is seen from a route over at most this is on the same side of "
     "things"};
 // ---- trees ----
@@ -115,6 +126,9 @@ inline constexpr base::Parameter<double> kMinLine_m{
 inline constexpr base::Parameter<int> kMoveEvery{
     "move_every", 3, "", base::ParameterOrigin::kTuned,
     "one attempt in so many moves a point, the others cut a corner"};
+inline constexpr base::Parameter<int> kShiftedPoints{
+    "shifted_points", 8, "points", base::ParameterOrigin::kTuned,
+    "at most so many in a row are moved at once"};
 inline constexpr base::Parameter<double> kShortcut_m{
     "shortcut", 6.0, "m", base::ParameterOrigin::kTuned,
     "three of four lines that are tried instead of others are of at most this"};
@@ -129,7 +143,13 @@ inline constexpr base::Parameter<int> kQuickAttempts{
     "another way is worked on if so many without a gain make it as cheap as "
     "the best, but for QuickExcess"};
 inline constexpr base::Parameter<double> kQuickExcess{
-    "quick_excess", 1.1, "", base::ParameterOrigin::kTuned,
+    "quick_excess", 1.06, "", base::ParameterOrigin::kTuned,
+    "of the best way's cost"};
+inline constexpr base::Parameter<int> kFairAttempts{
+    "fair_attempts", 120, "", base::ParameterOrigin::kTuned,
+    "then so many more, if those make it as cheap but for FairExcess"};
+inline constexpr base::Parameter<double> kFairExcess{
+    "fair_excess", 1.02, "", base::ParameterOrigin::kTuned,
     "of the best way's cost"};
 inline constexpr base::Parameter<int> kRestartIterations{
     "restart_iterations", 200, "", base::ParameterOrigin::kTuned,

@@ -217,15 +217,17 @@ void Regions::AddEdge(const ConfigurationSpace& space, uint32_t from_cell,
   const double length_m = geometry::Norm(leaves.at - regions_[from].center) +
                           geometry::Norm(enters.at - leaves.at) +
                           geometry::Norm(regions_[to].center - enters.at);
-  double price = (space.CostPerMetre(leaves) + space.CostPerMetre(enters)) / 2;
-  if (!HoldsFootprint(space, from_cell) || !HoldsFootprint(space, to_cell)) {
-    price *= kNarrowCost;
-  }
+  const bool is_narrow =
+      !HoldsFootprint(space, from_cell) || !HoldsFootprint(space, to_cell);
+  const double narrow = is_narrow ? kNarrowCost.value : 1;
+  const double price =
+      narrow * (space.CostPerMetre(leaves) + space.CostPerMetre(enters)) / 2;
   const Edge edge = {.to = to,
                      .from_cell = from_cell,
                      .to_cell = to_cell,
                      .cost_m = static_cast<float>(price * length_m),
                      .length_m = static_cast<float>(length_m),
+                     .short_m = static_cast<float>(narrow * length_m),
                      .is_against = IsAgainst(space.ground(), leaves, enters)};
   const auto known = std::ranges::find(edges_[from], to, &Edge::to);
   if (known == edges_[from].end()) {
@@ -260,6 +262,7 @@ void Regions::JoinBack(uint32_t region) {
                     .to_cell = edge.from_cell,
                     .cost_m = edge.cost_m,
                     .length_m = edge.length_m,
+                    .short_m = edge.short_m,
                     .is_against = edge.is_against});
   }
 }

@@ -43,6 +43,8 @@ class Regions {
     // its heading: there the disc gets through, and the robot hardly.
     float cost_m = 0;
     float length_m = 0;
+    // The length, and only for the footprint more.
+    float short_m = 0;
     // Only against one-way zones; the cells and costs are as if there were
     // none.
     bool is_against = false;

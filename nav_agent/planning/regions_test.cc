@@ -188,10 +188,10 @@ TEST(RoutesTest, AvoidRegionsThatCostMore) {
 
 TEST(AlternativesTest, FindTheOtherSideOfAPillar) {
   std::vector<std::string> rows = RoomRows(80, 60);
-  Fill(rows, 30, 50, 22, 40, '#');
+  Fill(rows, 30, 50, 24, 46, '#');
   const ConfigurationSpace space = SpaceOf(rows, {});
   const Regions regions(space);
-  Alternatives alternatives(space, regions, {{1, 3}, 0}, {{7, 3}, 0});
+  Alternatives alternatives(space, regions, {{1, 3}, 0}, {{7, 3}, 0}, 7);
   std::vector<bool> is_above;
   for (Polyline way = alternatives.Next(); !way.empty();
        way = alternatives.Next()) {
@@ -204,6 +204,10 @@ TEST(AlternativesTest, FindTheOtherSideOfAPillar) {
   ASSERT_EQ(is_above.size(), 2U);
   EXPECT_FALSE(is_above[0]);
   EXPECT_TRUE(is_above[1]);
+  // Neither is as short as that.
+  EXPECT_TRUE(Alternatives(space, regions, {{1, 3}, 0}, {{7, 3}, 0}, 4.5)
+                  .Next()
+                  .empty());
 }
 
 }  // namespace

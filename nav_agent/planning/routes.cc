@@ -170,7 +170,8 @@ Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
                         : RouteOver(regions, start, goal, weights, true);
 }
 
-RouteField::RouteField(const Regions& regions, uint32_t root, float reach_m)
+RouteField::RouteField(const Regions& regions, uint32_t root, float reach_m,
+                       float Regions::Edge::*price)
     : regions_(&regions),
       cost_m_(regions.count(), kFar),
       length_m_(regions.count(), kFar),
@@ -184,7 +185,7 @@ RouteField::RouteField(const Regions& regions, uint32_t root, float reach_m)
     open.pop();
     if (next.estimate_m > cost_m_[next.number]) continue;
     for (const Regions::Edge& edge : regions.EdgesOf(next.number)) {
-      const float cost_m = next.estimate_m + edge.cost_m;
+      const float cost_m = next.estimate_m + edge.*price;
       if (cost_m >= cost_m_[edge.to] || cost_m > reach_m) continue;
       cost_m_[edge.to] = cost_m;
       length_m_[edge.to] = length_m_[next.number] + edge.length_m;

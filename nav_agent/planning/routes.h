@@ -27,9 +27,11 @@ Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
 // The cheapest routes from everywhere to one region (Dijkstra).
 class RouteField {
  public:
-  // Those longer than reach_m are not looked for.
+  // Those that cost more than reach_m are not looked for. `price`: what an
+  // edge costs (m).
   RouteField(const Regions& regions, uint32_t root,
-             float reach_m = std::numeric_limits<float>::infinity());
+             float reach_m = std::numeric_limits<float>::infinity(),
+             float Regions::Edge::*price = &Regions::Edge::cost_m);
 
   // Between the centres (m); infinite where there is none.
   float cost_m(uint32_t region) const { return cost_m_[region]; }

@@ -37,7 +37,8 @@ class Planning {
         seed_(seed),
         budget_(budget),
         stop_(&stop),
-        begin_(begin) {}
+        begin_(begin),
+        plain_(task.space.WithPrices({.near = 0, .slope = 0})) {}
 
   // Leaves a way, or why there is none, in the result.
   void FindFirst(PlanResult& result);
@@ -47,9 +48,13 @@ class Planning {
   const Polyline& way() const { return way_; }
 
  private:
+  double Elapsed_s() const {
+    return base::SecondsBetween(begin_, ClockOf(budget_).Now());
+  }
+  // Whether the time that what is under way may take is over.
   bool IsOver() const {
     return stop_->stop_requested() ||
-           SecondsSince(begin_) >= budget_.max_time_s;
+           Elapsed_s() >= share_ * budget_.max_time_s;
   }
   // Anywhere in the area of start and goal; near the guide if there is one.
   Spot SampleOf(uint64_t stream, uint64_t iteration) const;
@@ -58,33 +63,53 @@ class Planning {
   bool FollowRoutes(VariableRrt& trees, bool is_thorough);
   // A way from one stand to another one near by: two trees between them, and
   // where those do not meet soon the lattice, if it is to be thorough.
-  Polyline Bridge(const Stand& from, const Stand& to, bool is_thorough) const;
+  Polyline Bridge(const Stand& from, const Stand& to, bool is_thorough);
+  // Whether no way was found from near the one to near the other.
+  bool IsKnownNarrow(const Spot& from, const Spot& to) const;
   // Makes the regions around a place cost more.
   void Discourage(const Spot& stuck, std::vector<float>& weights) const;
   double Spacing_m() const {
     return std::max(kGuideSpacing_m.value,
                     task_->space.ground().resolution_m());
   }
+  // The same, of iterations too.
+  bool IsUsed(const PlanResult& result) const;
   // Cuts and moves until so many in a row gain nothing.
-  void Polish(PathSmoother& improver, int max_idle, PlanResult& result) const;
-  void PolishWell(PathSmoother& improver, PlanResult& result) const;
-  // Puts another way, polished, in the place of the best if it costs less.
-  void TryOther(Polyline other, PathSmoother& best, PlanResult& result) const;
+  void Polish(PathSmoother& improver, int max_idle, PlanResult& result);
+  void PolishWell(PathSmoother& improver, PlanResult& result);
+  // Puts another way, polished, in the place of the best if it is shorter.
+  void TryOther(Polyline other, PathSmoother& best, PlanResult& result);
   // That over a guide; whether the footprint can follow it.
   bool TryGuide(const Polyline& guide, bool is_thorough, PathSmoother& best,
-                PlanResult& result) const;
+                PlanResult& result);
   // Those round other sides of things; narrow ones last.
   void TryAlternatives(PathSmoother& best, PlanResult& result);
   // A way of another tree, of those that might be shorter.
   Polyline Restart(uint64_t stream, double bound_m, PlanResult& result) const;
+  // Ways as short as they get: lengths alone count.
+  void Shorten(PathSmoother& best, PlanResult& result);
+  // Of the short ways, the cheapest; made cheaper, and hardly longer.
+  void Comfort(double shortest_m, PlanResult& result);
 
   const PlanTask* task_;
   uint64_t seed_;
   PlanBudget budget_;
   const std::stop_token* stop_;
   base::MonotonicTime begin_;
+  // A metre costs a metre.
+  ConfigurationSpace plain_;
+  // What of the budget may be used before what is under way ends.
+  double share_ = 1;
   std::optional<Polyline> guide_;
   Polyline way_;
+  // Where the lattice found no way through.
+  struct NarrowPlace {
+    Spot from;
+    Spot to;
+  };
+  std::vector<NarrowPlace> too_narrow_;
+  // Others that are hardly longer than the best one was.
+  std::vector<Polyline> others_;
 };
 
 Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
@@ -142,8 +167,9 @@ bool Planning::FollowRoutes(VariableRrt& trees, bool is_thorough) {
 }
 
 Polyline Planning::Bridge(const Stand& from, const Stand& to,
-                          bool is_thorough) const {
+                          bool is_thorough) {
   if (IsOver()) return {};
+  if (is_thorough && IsKnownNarrow(from.spot, to.spot)) return {};
   const geometry::Vec2 line = to.spot.at - from.spot.at;
   const double length_m = geometry::Norm(line);
   VariableRrt trees(task_->space, from, to);
@@ -164,9 +190,20 @@ Polyline Planning::Bridge(const Stand& from, const Stand& to,
       task_->regions->RegionOf(task_->space.ground(), to.spot) < 0) {
     return {};
   }
-  return SearchLatticeNear(task_->space, *task_->regions, from, to,
-                           2 * length_m + kLastLine_m, kBridgeNodes,
-                           [this] { return IsOver(); });
+  Polyline way = SearchLatticeNear(task_->space, *task_->regions, from, to,
+                                   2 * length_m + kLastLine_m, kBridgeNodes,
+                                   [this] { return IsOver(); });
+  if (way.empty() && !IsOver()) too_narrow_.push_back({from.spot, to.spot});
+  return way;
+}
+
+bool Planning::IsKnownNarrow(const Spot& from, const Spot& to) const {
+  const auto is_near = [](const Spot& a, const Spot& b) {
+    return a.level == b.level && geometry::Norm(a.at - b.at) < kSamePlace_m;
+  };
+  return std::ranges::any_of(too_narrow_, [&](const NarrowPlace& place) {
+    return is_near(place.from, from) && is_near(place.to, to);
+  });
 }
 
 void Planning::Discourage(const Spot& stuck,
@@ -204,13 +241,13 @@ void Planning::FindFirst(PlanResult& result) {
   result.tree_edges.insert(result.tree_edges.end(), goal_edges.begin(),
                            goal_edges.end());
   if (way_.empty()) way_ = trees.Way();
-  result.first_path_s = SecondsSince(begin_);
+  result.first_path_s = Elapsed_s();
   if (is_found) return;
   result.failure = core::NavigationCause::kPlanTimeout;
   result.why = absl::StrFormat(
       "no way was found in %d iterations and %.3f s: places on it may be too "
       "narrow to turn in",
-      trees.iterations(), SecondsSince(begin_));
+      trees.iterations(), Elapsed_s());
 }
 
 void Planning::FindThoroughly(PlanResult& result) {
@@ -228,28 +265,30 @@ void Planning::FindThoroughly(PlanResult& result) {
                          task_->goal, is_over);
   }
   result.iterations += trees.iterations();
-  result.first_path_s = SecondsSince(begin_);
+  result.first_path_s = Elapsed_s();
   if (!way_.empty()) return;
   result.failure = IsOver() ? core::NavigationCause::kPlanTimeout
                             : core::NavigationCause::kNoPath;
   result.why = absl::StrFormat(
       "no way was found in %.3f s: places on it are too narrow to turn in",
-      SecondsSince(begin_));
+      Elapsed_s());
+}
+
+bool Planning::IsUsed(const PlanResult& result) const {
+  return IsOver() || result.iterations >= share_ * budget_.max_iterations;
 }
 
 void Planning::Polish(PathSmoother& improver, int max_idle,
-                      PlanResult& result) const {
-  for (int idle = 0;
-       idle < max_idle && result.iterations < budget_.max_iterations;
-       ++result.iterations) {
-    if (result.iterations % kStopEvery == 0 && IsOver()) return;
+                      PlanResult& result) {
+  for (int idle = 0; idle < max_idle; ++result.iterations) {
+    if (result.iterations % kStopEvery == 0 && IsUsed(result)) return;
     base::Random random(seed_ + (kImprovements << 32),
                         static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;
   }
 }
 
-void Planning::PolishWell(PathSmoother& improver, PlanResult& result) const {
+void Planning::PolishWell(PathSmoother& improver, PlanResult& result) {
   Polish(improver,
          std::max(kIdleAttempts.value,
                   kIdleShare * static_cast<int>(improver.way().size())),
@@ -280,18 +319,24 @@ Polyline Planning::Restart(uint64_t stream, double bound_m,
 }
 
 void Planning::TryOther(Polyline other, PathSmoother& best,
-                        PlanResult& result) const {
+                        PlanResult& result) {
   if (other.size() < 2) return;
-  PathSmoother improver(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+  PathSmoother improver(plain_, task_->start.yaw_rad, task_->goal.yaw_rad,
                         std::move(other));
   Polish(improver, kQuickAttempts, result);
   if (improver.cost_m() > kQuickExcess * best.cost_m()) return;
+  Polish(improver, kFairAttempts, result);
+  if (improver.cost_m() > kFairExcess * best.cost_m()) return;
   PolishWell(improver, result);
-  if (improver.cost_m() < best.cost_m()) best = std::move(improver);
+  const bool is_shorter = improver.cost_m() < best.cost_m();
+  if (is_shorter) std::swap(best, improver);
+  if (improver.length_m() < (1 + kComfortLength) * best.length_m()) {
+    others_.push_back(improver.way());
+  }
 }
 
 bool Planning::TryGuide(const Polyline& guide, bool is_thorough,
-                        PathSmoother& best, PlanResult& result) const {
+                        PathSmoother& best, PlanResult& result) {
   ++result.iterations;
   PulledWay pulled = FollowGuide(
       task_->space, task_->start.yaw_rad, task_->goal.yaw_rad, guide,
@@ -304,10 +349,8 @@ bool Planning::TryGuide(const Polyline& guide, bool is_thorough,
 
 void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
   Alternatives alternatives(task_->space, *task_->regions, task_->start.spot,
-                            task_->goal.spot);
-  const auto goes_on = [&] {
-    return !IsOver() && result.iterations < budget_.max_iterations;
-  };
+                            task_->goal.spot, best.length_m());
+  const auto goes_on = [&] { return !IsUsed(result); };
   std::vector<Polyline> narrow;
   for (Polyline guide = alternatives.Next(); !guide.empty() && goes_on();
        guide = alternatives.Next()) {
@@ -322,34 +365,59 @@ void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
   }
 }
 
-void Planning::Improve(PlanResult& result) {
-  PathSmoother best(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
-                    std::move(way_));
+void Planning::Shorten(PathSmoother& best, PlanResult& result) {
   Polish(best, kIdleAttempts, result);
-  if (!IsOver()) TryAlternatives(best, result);
+  if (!IsUsed(result)) TryAlternatives(best, result);
   PolishWell(best, result);
   int idle = 0;
-  for (uint64_t restart = 1;
-       idle < kIdleRestarts && result.iterations < budget_.max_iterations &&
-       !IsOver();
+  for (uint64_t restart = 1; idle < kIdleRestarts && !IsUsed(result);
        ++restart) {
     ++idle;
     ++result.iterations;
     const double before_m = best.cost_m();
     if (restart % 2 == 1) {
       base::Random random(seed_ + (kImprovements << 32), restart << 32);
-      TryOther(ShortcutPolyline(
-                   task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
-                   best.way(),
-                   random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m)),
-               best, result);
+      TryOther(
+          ShortcutPolyline(
+              plain_, task_->start.yaw_rad, task_->goal.yaw_rad, best.way(),
+              random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m)),
+          best, result);
     } else {
       TryOther(Restart(kFirstTree + restart, best.cost_m(), result), best,
                result);
     }
     if (best.cost_m() < kKept * before_m) idle = 0;
   }
+}
+
+void Planning::Comfort(double shortest_m, PlanResult& result) {
+  const double max_m = (1 + kComfortLength) * shortest_m;
+  const auto cost_m = [this](const Polyline& way) {
+    return PathCost_m(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                      way);
+  };
+  double best_m = cost_m(way_);
+  for (Polyline& other : others_) {
+    if (PathLength_m(other) > max_m) continue;
+    const double other_m = cost_m(other);
+    if (other_m >= best_m) continue;
+    best_m = other_m;
+    std::swap(way_, other);
+  }
+  PathSmoother improver(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                        std::move(way_), max_m);
+  PolishWell(improver, result);
+  way_ = improver.way();
+}
+
+void Planning::Improve(PlanResult& result) {
+  PathSmoother best(plain_, task_->start.yaw_rad, task_->goal.yaw_rad,
+                    std::move(way_));
+  share_ = kShortShare;
+  Shorten(best, result);
   way_ = best.way();
+  share_ = 1;
+  Comfort(best.length_m(), result);
 }
 
 }  // namespace
@@ -364,7 +432,7 @@ VariableRrtPlanner::VariableRrtPlanner(std::shared_ptr<const PlanGround> ground,
 absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
     const PlanRequest& request, const PlanBudget& budget,
     const std::stop_token& stop) const {
-  const base::MonotonicTime begin = base::SteadyClock().Now();
+  const base::MonotonicTime begin = ClockOf(budget).Now();
   TL_RETURN_IF_ERROR(CheckRequest(request));
   PlanResult result;
   const geometry::Rigid2& map_from_grid =
@@ -391,7 +459,7 @@ absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
     }
     if (result.failure == core::NavigationCause::kNone) break;
   }
-  result.total_s = SecondsSince(begin);
+  result.total_s = base::SecondsBetween(begin, ClockOf(budget).Now());
   return result;
 }
 

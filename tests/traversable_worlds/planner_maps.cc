@@ -2,17 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "common/base/random.h"
+#include "nav_agent/app/plan/plan_run.h"
 #include "nav_agent/planning/plan_frame.h"
 
 namespace treeline {
 namespace {
 
 constexpr double kCell_m = 0.05;
+constexpr std::string_view kMovingAiEnding = ".map";
+constexpr std::string_view kMapServerEnding = ".yaml";
+constexpr int kMaxSide = 8192;
 
 // A square of cells; true: blocked.
 struct Raster {
@@ -236,6 +243,51 @@ Raster MakeCylinders(int size, base::Random& random) {
   return raster;
 }
 
+std::shared_ptr<const traversability::NavigationMap> FlatMap(
+    int width, int height, const std::vector<bool>& is_blocked) {
+  traversability::TraversableLevel level;
+  level.grid = core::OccupancyGrid::Filled(width, height, kCell_m, {},
+                                           core::Occupancy::kFree);
+  for (size_t i = 0; i < is_blocked.size(); ++i) {
+    if (is_blocked[i]) level.grid.cells[i] = core::Occupancy::kOccupied;
+  }
+  level.height_m.assign(is_blocked.size(), 0);
+  level.slope_rad.assign(is_blocked.size(), 0);
+  level.clearance_m.assign(is_blocked.size(), 2.5F);
+  traversability::TraversableMap levels;
+  levels.levels.push_back(std::move(level));
+  auto map = traversability::NavigationMap::Make(std::move(levels));
+  if (!map.ok()) std::abort();
+  return std::make_shared<const traversability::NavigationMap>(*std::move(map));
+}
+
+// Null if it is none. Rows come from the top.
+std::shared_ptr<const traversability::NavigationMap> ReadMovingAi(
+    std::istream& file) {
+  std::string word;
+  int width = 0;
+  int height = 0;
+  while (file >> word && word != "map") {
+    if (word == "height") file >> height;
+    if (word == "width") file >> width;
+  }
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+    return nullptr;
+  }
+  std::vector<bool> is_blocked(static_cast<size_t>(width) *
+                               static_cast<size_t>(height));
+  for (int y = height - 1; y >= 0; --y) {
+    if (!(file >> word) || word.size() != static_cast<size_t>(width)) {
+      return nullptr;
+    }
+    for (size_t x = 0; x < word.size(); ++x) {
+      is_blocked[static_cast<size_t>(y) * word.size() + x] =
+          std::string_view(".GS").find(word[x]) == std::string_view::npos;
+    }
+  }
+  return FlatMap(width, height, is_blocked);
+}
+
 }  // namespace
 
 const std::vector<std::string>& PlannerMapKinds() {
@@ -257,20 +309,30 @@ std::shared_ptr<const traversability::NavigationMap> MakePlannerMap(
   raster.Fill(0, size, size - 2, size, true);
   raster.Fill(0, 2, 0, size, true);
   raster.Fill(size - 2, size, 0, size, true);
-  traversability::TraversableLevel level;
-  level.grid = core::OccupancyGrid::Filled(size, size, kCell_m, {},
-                                           core::Occupancy::kFree);
-  for (size_t i = 0; i < raster.cells.size(); ++i) {
-    if (raster.cells[i]) level.grid.cells[i] = core::Occupancy::kOccupied;
+  return FlatMap(size, size, raster.cells);
+}
+
+bool IsMapFile(const std::string& kind) {
+  return kind.ends_with(kMovingAiEnding) || kind.ends_with(kMapServerEnding);
+}
+
+std::shared_ptr<const traversability::NavigationMap> ReadPlannerMap(
+    const std::string& path) {
+  if (path.ends_with(kMovingAiEnding)) {
+    std::ifstream file(path);
+    auto map = ReadMovingAi(file);
+    if (map == nullptr) {
+      std::fprintf(stderr, "%s is no map of moving-AI\n", path.c_str());
+      std::exit(2);
+    }
+    return map;
   }
-  level.height_m.assign(raster.cells.size(), 0);
-  level.slope_rad.assign(raster.cells.size(), 0);
-  level.clearance_m.assign(raster.cells.size(), 2.5F);
-  traversability::TraversableMap levels;
-  levels.levels.push_back(std::move(level));
-  auto map = traversability::NavigationMap::Make(std::move(levels));
-  if (!map.ok()) std::abort();
-  return std::make_shared<const traversability::NavigationMap>(*std::move(map));
+  auto map = plan_app::LoadNavigationMap(path, false);
+  if (!map.ok()) {
+    std::fprintf(stderr, "%s\n", map.status().ToString().c_str());
+    std::exit(2);
+  }
+  return *std::move(map);
 }
 
 std::vector<planning::PlanRequest> RequestsOn(

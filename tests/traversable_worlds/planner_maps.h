@@ -21,6 +21,15 @@ const std::vector<std::string>& PlannerMapKinds();
 std::shared_ptr<const traversability::NavigationMap> MakePlannerMap(
     const std::string& kind, int size, uint64_t seed);
 
+// Whether a kind names a file: it ends in .map or .yaml.
+bool IsMapFile(const std::string& kind);
+
+// A map of map_server, or one of the moving-AI benchmarks (Sturtevant,
+// "Benchmarks for grid-based pathfinding", 2012: '.', 'G' and 'S' are free),
+// with cells of 0.05 m. Ends the program, saying why, if it cannot be read.
+std::shared_ptr<const traversability::NavigationMap> ReadPlannerMap(
+    const std::string& path);
+
 // Pairs of poses that the robot and its margin fit at, in the largest area, all
 // over the map.
 std::vector<planning::PlanRequest> RequestsOn(
