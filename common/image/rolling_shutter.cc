@@ -15,6 +15,8 @@ namespace {
 constexpr int kCell_px = 16;
 // Which row sees a place depends on where the row is: found step by step.
 constexpr int kRowSteps = 3;
+// In longer sides: no pixel is read there.
+constexpr double kFarOutside = 8;
 
 // Where to look in the picture as it is.
 struct Source {
@@ -76,6 +78,11 @@ class Warp {
       if (!(point.z > 0)) return source;
       seen = camera.Project(point);
       source.z = static_cast<float>(point.z);
+    }
+    // Lenses that distort much send rays beyond the picture anywhere.
+    const double far = kFarOutside * std::max(camera.width(), camera.height());
+    if (!(std::abs(seen.x) < far && std::abs(seen.y) < far)) {
+      return {static_cast<float>(pixel.x), static_cast<float>(pixel.y), 1};
     }
     source.x = static_cast<float>(seen.x);
     source.y = static_cast<float>(seen.y);

@@ -106,5 +106,25 @@ TEST(AtTimeStamp, MeasuresNoDepthOutsideThePicture) {
   EXPECT_NE(undone.depth->values[60 * 160 + 40], 0);
 }
 
+// To a camera that is turned by a radian such a lens shows what was at an edge
+// 10^9 px away.
+TEST(AtTimeStamp, ALensThatSendsRaysAnywhereLeavesThemWhereTheyAre) {
+  camera::RgbdCalibration calibration = Calibration();
+  const Frame seen = Seen(calibration, {}, {});
+  calibration.color =
+      camera::Camera::Parse("FULL_OPENCV,100,100,80,60,0,0,0,0,100,0,0,0", 160,
+                            120)
+          .value();
+  calibration.depth = calibration.color;
+  const Frame undone = AtTimeStamp(seen, calibration, {.offset_s = 0.1},
+                                   {.turn_rate_rad_s = {0, 10, 0}});
+  const auto left_alone = [&](size_t x) {
+    const size_t i = 60 * 160 + x;
+    return undone.color.rgb[3 * i] == seen.color.rgb[3 * i] &&
+           undone.depth->values[i] == seen.depth->values[i];
+  };
+  EXPECT_NE(left_alone(0), left_alone(159));
+}
+
 }  // namespace
 }  // namespace treeline::image
