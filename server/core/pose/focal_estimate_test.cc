@@ -114,7 +114,7 @@ TEST(EstimateLens, SaysHowWellItIsKnown) {
   EXPECT_LT(sigma(*deep, 2), 0.03);
   EXPECT_GT(sigma(*shallow, 0), 2 * sigma(*deep, 0));
   // Position, along the axis and across it.
-  for (const size_t i : {0, 7, 14}) {
+  for (const size_t i : {0U, 7U, 14U}) {
     EXPECT_GT(deep->added[i], 0);
     EXPECT_GT(shallow->added[i], 4 * deep->added[i]);
   }
