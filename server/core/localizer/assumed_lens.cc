@@ -1,7 +1,6 @@
 #include "server/core/localizer/assumed_lens.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "Eigen/Cholesky"
