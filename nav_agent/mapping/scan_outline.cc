@@ -108,7 +108,7 @@ size_t GroupSize(std::span<const Return> surface, size_t begin,
   const size_t left = surface.size() - begin;
   if (apart_m * static_cast<double>(left) <= spacing_m * steps) return left;
   return std::clamp<size_t>(
-      static_cast<size_t>(std::lround(spacing_m * steps / apart_m)), 1, left);
+      static_cast<size_t>(std::ceil(spacing_m * steps / apart_m)), 1, left);
 }
 
 void AddSurface(std::span<const Return> surface, double spacing_m,
