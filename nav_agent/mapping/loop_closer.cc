@@ -150,6 +150,16 @@ bool LoopCloser::SeesTheSame(int a, int b) const {
          TiltBetween(plane_a, plane_b) <= options_.max_tilt;
 }
 
+std::optional<geometry::Vec2> LoopCloser::UntoldBetween(int a, int b) const {
+  const ScanPlane plane_a = PlaneOf(a);
+  const ScanPlane plane_b = PlaneOf(b);
+  const double tilt = TiltBetween(plane_a, plane_b);
+  if (Gap_m(plane_a, plane_b) > options_.max_gap_m || tilt == 0) {
+    return std::nullopt;
+  }
+  return (1 / tilt) * (plane_b.slope - plane_a.slope);
+}
+
 std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     int keyscan, geometry::Vec2 here, const std::vector<Reach>& reach,
     int recent, int max_chains) const {
@@ -558,7 +568,8 @@ ScanWay LoopCloser::Way() const {
   return {
       .map_from_scans = poses_,
       .way_m = way_m_,
-      .may_be_compared = [this](int a, int b) { return SeesTheSame(a, b); }};
+      .may_be_compared = [this](int a, int b) { return SeesTheSame(a, b); },
+      .untold_between = [this](int a, int b) { return UntoldBetween(a, b); }};
 }
 
 void LoopCloser::LayUponEachOther() {

@@ -195,6 +195,7 @@ class LoopCloser {
                                   const Chain& chain) const;
   ScanPlane PlaneOf(int keyscan) const;
   bool SeesTheSame(int a, int b) const;
+  std::optional<geometry::Vec2> UntoldBetween(int a, int b) const;
   // How much higher `to` is than `from`, by the ground that both stand on.
   void SetClimb(const geometry::Rigid2& map_from_to,
                 PoseConstraint* constraint) const;
