@@ -60,23 +60,6 @@ PoseConstraint PriorOf(const std::optional<OdometryStep>& odometry,
 
 }  // namespace
 
-absl::Status LoopCloserOptions::Validate() const {
-  if (recent < 1 || min_chain < 1 || max_chain < min_chain || max_chains < 1 ||
-      query_scans < 1 || threads < 1 || !(overlap_m > 0) ||
-      !(search_sigmas > 0) || !(search_of_way >= 0) || !(min_search_m > 0) ||
-      !(max_search_m >= min_search_m) || !(max_search_m <= 20) ||
-      !(min_search_rad > 0) || !(max_search_rad >= min_search_rad) ||
-      !(max_search_rad <= 3.2) || !(max_squared_error > 0) ||
-      !(max_gap_m > 0) || !(max_gap_m_per_m >= 0) ||
-      !(largest_gap_m >= max_gap_m) || !(max_tilt > 0) ||
-      !(same_ground_m >= 0) || !suspects.IsValid() || !bundle.IsValid()) {
-    return absl::InvalidArgumentError(
-        "loop closer: counts and lengths must be above 0, and the largest "
-        "search at least the smallest, at most 20 m and 3.2 rad");
-  }
-  return absl::OkStatus();
-}
-
 std::vector<LoopCloser::Reach> LoopCloser::ReachFrom(int keyscan) const {
   // Dijkstra (Olson, "Robust and Efficient Robotic Mapping", 2008): variances
   // add up along the way, and what is not known of yaw turns all that follows.
@@ -148,6 +131,16 @@ bool LoopCloser::SeesTheSame(int a, int b) const {
   const ScanPlane plane_b = PlaneOf(b);
   return Gap_m(plane_a, plane_b) <= max_m &&
          TiltBetween(plane_a, plane_b) <= options_.max_tilt;
+}
+
+std::optional<geometry::Vec2> LoopCloser::UntoldBetween(int a, int b) const {
+  const ScanPlane plane_a = PlaneOf(a);
+  const ScanPlane plane_b = PlaneOf(b);
+  const double tilt = TiltBetween(plane_a, plane_b);
+  if (Gap_m(plane_a, plane_b) > options_.max_gap_m || tilt == 0) {
+    return std::nullopt;
+  }
+  return (1 / tilt) * (plane_b.slope - plane_a.slope);
 }
 
 std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
@@ -558,7 +551,8 @@ ScanWay LoopCloser::Way() const {
   return {
       .map_from_scans = poses_,
       .way_m = way_m_,
-      .may_be_compared = [this](int a, int b) { return SeesTheSame(a, b); }};
+      .may_be_compared = [this](int a, int b) { return SeesTheSame(a, b); },
+      .untold_between = [this](int a, int b) { return UntoldBetween(a, b); }};
 }
 
 void LoopCloser::LayUponEachOther() {

@@ -25,7 +25,7 @@ struct LoopLink {
 
 struct LoopSuspectOptions {
   // A loop that moves the robot by more than this is followed (m) ...
-  double moved_m = 0.5;
+  double moved_m = 0.6;
   // ... until so many later scans are found where it puts them, over at least
   // follow_m of the way (m). It is given up after give_up_m.
   int min_followed = 3;

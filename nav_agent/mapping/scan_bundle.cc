@@ -24,6 +24,8 @@ constexpr double kNarrowing = 0.6;
 constexpr double kStill_m = 5e-4;
 constexpr double kCauchySigmas = 2;
 constexpr int kAlignRounds = 6;
+// Surfaces whose normal has more of a pair's untold direction tell nothing.
+constexpr double kTold = 0.3;
 
 using Jacobian = std::array<double, 3>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -99,17 +101,22 @@ double SigmaOf(int round, const ScanBundleOptions& options) {
 
 Normal<6> NormalOf(const ScanSurfels& a, const geometry::Rigid2& map_from_a,
                    const ScanSurfels& b, const geometry::Rigid2& map_from_b,
-                   double sigma_m, double min_cosine) {
+                   geometry::Vec2 untold, double sigma_m, double min_cosine) {
   Normal<6> sum;
+  const auto tells = [&](const Jacobian& j) {
+    return std::abs(j[0] * untold.x + j[1] * untold.y) <= kTold;
+  };
   ForEachUpon(a.surfels(), map_from_a, b, map_from_b, sigma_m, min_cosine,
               [&](double weight, double off_m, const Jacobian& j_a,
                   const Jacobian& j_b) {
+                if (!tells(j_a)) return;
                 sum.Add(weight, off_m,
                         {j_a[0], j_a[1], j_a[2], j_b[0], j_b[1], j_b[2]});
               });
   ForEachUpon(b.surfels(), map_from_b, a, map_from_a, sigma_m, min_cosine,
               [&](double weight, double off_m, const Jacobian& j_b,
                   const Jacobian& j_a) {
+                if (!tells(j_a)) return;
                 sum.Add(weight, off_m,
                         {j_a[0], j_a[1], j_a[2], j_b[0], j_b[1], j_b[2]});
               });
@@ -205,7 +212,8 @@ bool AdjustBundle(std::span<const ScanSurfels> scans,
           const auto a = static_cast<size_t>(pairs[static_cast<size_t>(i)].a);
           const auto b = static_cast<size_t>(pairs[static_cast<size_t>(i)].b);
           normals[static_cast<size_t>(i)] =
-              NormalOf(scans[a], poses[a], scans[b], poses[b], sigma_m,
+              NormalOf(scans[a], poses[a], scans[b], poses[b],
+                       pairs[static_cast<size_t>(i)].untold, sigma_m,
                        options.min_cosine);
         });
     NormalEquations equations(poses.size());

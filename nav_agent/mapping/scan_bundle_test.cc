@@ -59,7 +59,7 @@ std::vector<ScanPair> PairsOf(int scans) {
   std::vector<ScanPair> pairs;
   for (int i = 1; i < scans; ++i) {
     for (const int back : {1, 2, 5}) {
-      if (i >= back) pairs.push_back({i - back, i});
+      if (i >= back) pairs.push_back({.a = i - back, .b = i});
     }
   }
   return pairs;
@@ -107,6 +107,28 @@ TEST(ScanSurfels, AreFoundByPlace) {
   EXPECT_EQ(scan.Near({2.1, 1.05})->x, 2);
   EXPECT_EQ(scan.Near({2.5, 1}), nullptr);
   EXPECT_EQ(ScanSurfels({}).Near({2, 1}), nullptr);
+}
+
+// As at the foot of a ramp that climbs along x.
+TEST(ScanBundle, LeavesWhatAPairCannotTell) {
+  const std::vector<geometry::Rigid2> truth = {{{4, 0}, 0}, {{4.2, 0}, 0}};
+  const std::vector<ScanSurfels> scans = SeeAll(truth);
+  const std::vector<geometry::Rigid2> start = {truth[0], {{4.22, 0.03}, 0.01}};
+  const std::vector<PoseConstraint> odometry = {
+      {.from = 0,
+       .to = 1,
+       .from_from_to = start[0].Inverse() * start[1],
+       .covariance = {1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2}}};
+  std::vector<geometry::Rigid2> poses = start;
+  const ScanPair climbs = {.a = 0, .b = 1, .untold = {1, 0}};
+  ASSERT_TRUE(AdjustBundle(scans, {&climbs, 1}, odometry, {}, &poses));
+  EXPECT_NEAR(poses[1].translation.x, 4.22, 0.002);
+  EXPECT_NEAR(poses[1].translation.y, 0, 0.008);
+  EXPECT_NEAR(poses[1].yaw_rad, 0, 0.004);
+  poses = start;
+  const ScanPair level = {.a = 0, .b = 1};
+  ASSERT_TRUE(AdjustBundle(scans, {&level, 1}, odometry, {}, &poses));
+  EXPECT_NEAR(poses[1].translation.x, 4.2, 0.008);
 }
 
 TEST(ScanBundle, LaysScansUponEachOther) {

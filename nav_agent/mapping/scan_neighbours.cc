@@ -93,7 +93,7 @@ std::vector<ScanPair> PairsOfOtherPasses(const ScanWay& way, double max_m,
       near.emplace_back(apart_m, static_cast<int>(k));
     }
     for (const Near& one : Spread(near, static_cast<size_t>(count), 1)) {
-      pairs.push_back({static_cast<int>(i), one.second});
+      pairs.push_back({.a = static_cast<int>(i), .b = one.second});
     }
   }
   return pairs;
@@ -104,12 +104,19 @@ std::vector<ScanPair> PairsThatOverlap(const ScanWay& way, double max_m) {
   for (size_t i = 1; i < way.map_from_scans.size(); ++i) {
     const int number = static_cast<int>(i);
     for (const Near& near : OfOtherPasses(way, i, max_m)) {
-      pairs.push_back({near.second, number});
+      pairs.push_back({.a = near.second, .b = number});
     }
     for (const int back : kBack) {
       const int before = number - back;
-      if (before >= 0 && way.may_be_compared(number, before)) {
-        pairs.push_back({before, number});
+      if (before < 0) continue;
+      if (way.may_be_compared(number, before)) {
+        pairs.push_back({.a = before, .b = number});
+      } else if (way.untold_between) {
+        const std::optional<geometry::Vec2> untold =
+            way.untold_between(number, before);
+        if (untold.has_value()) {
+          pairs.push_back({.a = before, .b = number, .untold = *untold});
+        }
       }
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace treeline::mapping {
 struct ScanPair {
   int a = 0;
   int b = 0;
+  // A unit vector in the map along which they can't be compared, or 0: surfaces
+  // across it tell nothing.
+  geometry::Vec2 untold = {};
 };
 
 // Scans in the order in which they were taken.
@@ -23,6 +27,9 @@ struct ScanWay {
   std::span<const double> way_m;  // travelled until each
   // Whether what two of them see can be compared: not on different floors.
   std::function<bool(int, int)> may_be_compared;
+  // Of two that can't, one shortly after the other: along which direction; or
+  // that they have nothing in common. Unset: nothing.
+  std::function<std::optional<geometry::Vec2>(int, int)> untold_between = {};
 };
 
 // Of every `every`-th scan, the `count` nearest earlier ones within max_m that

@@ -59,6 +59,20 @@ TEST_F(ThereAndBack, ScansOfAnotherFloorAreNotPaired) {
   EXPECT_GT(std::count_if(pairs.begin(), pairs.end(), IsAcross), 20);
 }
 
+// A ramp begins after scan 40.
+TEST_F(ThereAndBack, ScansWhereARampBeginsArePairedAlongTheWayOnly) {
+  ScanWay way = Way(false);
+  way.untold_between = [](int, int) { return geometry::Vec2{1, 0}; };
+  int across = 0;
+  for (const ScanPair& pair : PairsThatOverlap(way, 3)) {
+    const bool is_across = pair.a <= 40 && pair.b > 40;
+    EXPECT_EQ(pair.untold.x, is_across ? 1 : 0);
+    EXPECT_FALSE(IsAcross(pair));
+    across += is_across ? 1 : 0;
+  }
+  EXPECT_GT(across, 10);
+}
+
 TEST_F(ThereAndBack, TheNearestOfOtherPassesComeFirst) {
   const auto pairs = PairsOfOtherPasses(Way(true), 3, 6, 1, 1);
   const auto of_70 = std::find_if(pairs.begin(), pairs.end(),

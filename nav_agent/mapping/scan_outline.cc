@@ -6,6 +6,9 @@
 namespace treeline::mapping {
 namespace {
 
+// Returns on either side of one, by which it is told how dense they are.
+constexpr size_t kAround = 3;
+
 // Whether one surface explains both returns: a and b from the origin, ranges
 // and angle between the beams known.
 bool OnOneSurface(geometry::Vec2 a, geometry::Vec2 b, double nearer_m,
@@ -43,33 +46,21 @@ bool IsInBetween(std::span<const float> ranges_m, int beam,
   return farther == 1;
 }
 
-}  // namespace
+struct Return {
+  geometry::Vec2 at;
+  bool joins = false;  // the one before it, as one surface
+};
 
-absl::Status ScanOutlineOptions::Validate() const {
-  if (!(max_range_m > 0) || !(spacing_m >= 0) || !(max_join_m >= 0) ||
-      !(min_incidence_rad >= 0) || !(min_incidence_rad < 1.57) ||
-      !(max_height_m > min_height_m)) {
-    return absl::InvalidArgumentError(
-        "scan points: lengths must be 0 or more, max_range_m above 0, "
-        "min_incidence_rad from 0 to 1.57, max_height_m above min_height_m");
-  }
-  return absl::OkStatus();
-}
-
-ScanOutline MakeScanOutline(std::span<const float> ranges_m,
-                            const core::RangeSensorInfo& laser,
-                            const geometry::Rigid3& level_from_laser,
-                            const ScanOutlineOptions& options,
-                            const geometry::Rigid2& first_from_last) {
-  ScanOutline scan;
-  scan.seen_from = {level_from_laser.translation.x,
-                    level_from_laser.translation.y};
+std::vector<Return> ReturnsOf(std::span<const float> ranges_m,
+                              const core::RangeSensorInfo& laser,
+                              const geometry::Rigid3& level_from_laser,
+                              const ScanOutlineOptions& options,
+                              const geometry::Rigid2& first_from_last) {
   const bool moves = first_from_last != geometry::Rigid2{};
   const double per_beam = 1.0 / std::max<double>(1, laser.beams - 1);
-  int last_beam = -2;          // of the return before this one
-  geometry::Vec2 last_return;  // where it was
+  std::vector<Return> returns;
+  int last_beam = -2;
   double last_range_m = 0;
-  bool surface = false;  // since the last kept point
   for (int beam = 0; beam < static_cast<int>(ranges_m.size()); ++beam) {
     const double range_m = ranges_m[static_cast<size_t>(beam)];
     if (!std::isfinite(range_m) || range_m <= laser.range_min_m ||
@@ -95,20 +86,72 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
     }
     const bool joins =
         beam == last_beam + 1 &&
-        OnOneSurface(last_return, here, std::min(last_range_m, range_m),
+        OnOneSurface(returns.back().at, here, std::min(last_range_m, range_m),
                      std::abs(laser.angle_increment_rad), options);
-    surface = (last_beam >= 0) && joins && (surface || !scan.empty());
+    returns.push_back({.at = here, .joins = joins});
     last_beam = beam;
-    last_return = here;
     last_range_m = range_m;
-    if (!scan.empty() && joins && surface &&
-        geometry::Norm(here - scan.points_m.back()) < options.spacing_m) {
-      continue;
-    }
-    if (!scan.empty()) scan.joined.back() = surface ? 1 : 0;
-    scan.points_m.push_back(here);
-    scan.joined.push_back(0);
-    surface = true;
+  }
+  return returns;
+}
+
+// How many of the returns begin, ..., end - 1, which are of one surface, are
+// spacing_m of it: by those around, since to stop at the first that is far
+// enough prefers those whose noise took them on along the surface, and bends
+// what is seen on a slant.
+size_t GroupSize(std::span<const Return> surface, size_t begin,
+                 double spacing_m) {
+  const size_t from = begin - std::min(begin, kAround);
+  const size_t to = std::min(begin + kAround, surface.size() - 1);
+  const double apart_m = geometry::Norm(surface[to].at - surface[from].at);
+  const auto steps = static_cast<double>(to - from);
+  const size_t left = surface.size() - begin;
+  if (apart_m * static_cast<double>(left) <= spacing_m * steps) return left;
+  return std::clamp<size_t>(
+      static_cast<size_t>(std::ceil(spacing_m * steps / apart_m)), 1, left);
+}
+
+void AddSurface(std::span<const Return> surface, double spacing_m,
+                ScanOutline* scan) {
+  for (size_t begin = 0; begin < surface.size();) {
+    const size_t count = GroupSize(surface, begin, spacing_m);
+    geometry::Vec2 sum;
+    for (const Return& one : surface.subspan(begin, count)) sum = sum + one.at;
+    scan->points_m.push_back((1.0 / static_cast<double>(count)) * sum);
+    begin += count;
+    scan->joined.push_back(begin < surface.size() ? 1 : 0);
+  }
+}
+
+}  // namespace
+
+absl::Status ScanOutlineOptions::Validate() const {
+  if (!(max_range_m > 0) || !(spacing_m >= 0) || !(max_join_m >= 0) ||
+      !(min_incidence_rad >= 0) || !(min_incidence_rad < 1.57) ||
+      !(max_height_m > min_height_m)) {
+    return absl::InvalidArgumentError(
+        "scan points: lengths must be 0 or more, max_range_m above 0, "
+        "min_incidence_rad from 0 to 1.57, max_height_m above min_height_m");
+  }
+  return absl::OkStatus();
+}
+
+ScanOutline MakeScanOutline(std::span<const float> ranges_m,
+                            const core::RangeSensorInfo& laser,
+                            const geometry::Rigid3& level_from_laser,
+                            const ScanOutlineOptions& options,
+                            const geometry::Rigid2& first_from_last) {
+  ScanOutline scan;
+  scan.seen_from = {level_from_laser.translation.x,
+                    level_from_laser.translation.y};
+  const std::vector<Return> returns =
+      ReturnsOf(ranges_m, laser, level_from_laser, options, first_from_last);
+  const std::span<const Return> all(returns);
+  for (size_t begin = 0; begin < all.size();) {
+    size_t end = begin + 1;
+    while (end < all.size() && all[end].joins) ++end;
+    AddSurface(all.subspan(begin, end - begin), options.spacing_m, &scan);
+    begin = end;
   }
   return scan;
 }

@@ -18,7 +18,7 @@ struct ScanOutlineOptions {
   // Farther returns are not used: what they hit is small, and where they hit
   // it depends on small turns and on how level the robot stands (m, above 0).
   double max_range_m = 25;
-  // Neighbouring points nearer to each other than this are thinned out, so
+  // Neighbouring returns of one surface are averaged over this length of it, so
   // that a wall beside the robot weighs no more than one ahead (m, 0 or more).
   double spacing_m = 0.03;
   // Neighbouring returns are of one surface if they are at most this far

@@ -201,15 +201,13 @@ absl::StatusOr<AsAgentLog> AsAgentLog::Open(const std::string& path,
 absl::StatusOr<AsAgentLog> AsAgentLog::Open(
     const std::string& path, bool with_frames,
     const recording::LogCorrection& correction) {
-  if (!bag::IsBag(path) && correction.IsNone()) return AsAgentLog(path, false);
-  std::error_code error;
-  const fs::path folder = fs::temp_directory_path(error);
-  std::string temporary = (folder / "treeline-log-XXXXXX").string();
-  if (error || mkdtemp(temporary.data()) == nullptr) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot make a temporary folder, ", temporary));
+  if (!bag::IsBag(path) && correction.IsNone()) {
+    return AsAgentLog(path, std::nullopt);
   }
-  AsAgentLog made(temporary + "/log.tlog", true);
+  TL_ASSIGN_OR_RETURN(base::TemporaryFolder folder,
+                      base::TemporaryFolder::Make("treeline-log"));
+  std::string temporary = folder.path() + "/log.tlog";
+  AsAgentLog made(std::move(temporary), std::move(folder));
   BagLogOptions options;
   options.with_frames = with_frames;
   TL_ASSIGN_OR_RETURN(ConvertedLog converted,
@@ -222,16 +220,6 @@ absl::StatusOr<AsAgentLog> AsAgentLog::Open(
   }
   made.notes_ = std::move(converted.notes);
   return made;
-}
-
-AsAgentLog::AsAgentLog(AsAgentLog&& other) noexcept
-    : path_(std::move(other.path_)),
-      is_temporary_(std::exchange(other.is_temporary_, false)),
-      notes_(std::move(other.notes_)) {}
-
-AsAgentLog::~AsAgentLog() {
-  std::error_code ignored;
-  if (is_temporary_) fs::remove_all(fs::path(path_).parent_path(), ignored);
 }
 
 }  // namespace treeline::ros_log

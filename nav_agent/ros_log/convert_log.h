@@ -3,10 +3,13 @@
 #define NAV_AGENT_ROS_LOG_CONVERT_LOG_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/base/temporary_folder.h"
 #include "common/mcap/mcap_compression.h"
 #include "nav_agent/recording/laser_log.h"
 #include "nav_agent/recording/log_correction.h"
@@ -59,19 +62,16 @@ class AsAgentLog {
   static absl::StatusOr<AsAgentLog> Open(
       const std::string& path, bool with_frames,
       const recording::LogCorrection& correction);
-  AsAgentLog(AsAgentLog&& other) noexcept;
-  AsAgentLog& operator=(AsAgentLog&&) = delete;
-  ~AsAgentLog();
 
   const std::string& path() const { return path_; }
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  AsAgentLog(std::string path, bool is_temporary)
-      : path_(std::move(path)), is_temporary_(is_temporary) {}
+  AsAgentLog(std::string path, std::optional<base::TemporaryFolder> folder)
+      : path_(std::move(path)), folder_(std::move(folder)) {}
 
   std::string path_;
-  bool is_temporary_ = false;
+  std::optional<base::TemporaryFolder> folder_;  // that it lies in
   std::vector<std::string> notes_;
 };
 

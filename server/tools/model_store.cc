@@ -47,38 +47,25 @@ bool IsSame(const forest::ModelInfo& info,
 absl::StatusOr<ModelStore> ModelStore::Open(const std::string& folder,
                                             ModelStoreOptions options) {
   if (folder.empty()) {
-    std::error_code error;
-    const auto parent = std::filesystem::temp_directory_path(error);
-    std::string name = (parent / "treeline_models_XXXXXX").string();
-    if (error || mkdtemp(name.data()) == nullptr) {
-      return absl::UnavailableError(
-          absl::StrCat(name, ": no temporary folder can be made there"));
-    }
-    return ModelStore(name, true, std::move(options));
+    TL_ASSIGN_OR_RETURN(base::TemporaryFolder temporary,
+                        base::TemporaryFolder::Make("treeline-models"));
+    std::string path = temporary.path();
+    return ModelStore(std::move(path), std::move(temporary),
+                      std::move(options));
   }
-  ModelStore store(folder, false, std::move(options));
+  ModelStore store(folder, std::nullopt, std::move(options));
   const std::string some_file = store.PathOf("model");
   TL_RETURN_IF_ERROR(base::MakeParentFolder(some_file));
   TL_RETURN_IF_ERROR(base::CheckWritable(some_file));
   return store;
 }
 
-ModelStore::ModelStore(std::string folder, bool temporary,
+ModelStore::ModelStore(std::string folder,
+                       std::optional<base::TemporaryFolder> temporary,
                        ModelStoreOptions options)
     : folder_(std::move(folder)),
-      temporary_(temporary),
+      temporary_(std::move(temporary)),
       options_(std::move(options)) {}
-
-ModelStore::ModelStore(ModelStore&& other) noexcept
-    : folder_(std::move(other.folder_)),
-      temporary_(std::exchange(other.temporary_, false)),
-      options_(std::move(other.options_)) {}
-
-ModelStore::~ModelStore() {
-  if (!temporary_) return;
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
 
 std::string ModelStore::PathOf(absl::string_view name) const {
   return absl::StrCat(folder_, "/", name, ".treeline");

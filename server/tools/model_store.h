@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "common/base/temporary_folder.h"
 #include "common/dataset/dataset.h"
 #include "server/core/training/scene_trainer.h"
 
@@ -29,9 +30,6 @@ class ModelStore {
   // folder: made where missing; empty: a temporary one.
   static absl::StatusOr<ModelStore> Open(const std::string& folder,
                                          ModelStoreOptions options);
-  ModelStore(ModelStore&& other) noexcept;
-  ModelStore& operator=(ModelStore&&) = delete;
-  ~ModelStore();
 
   // The path of a model of this method and these options: the one that is
   // there if it is sound and was trained on a dataset of this name with the
@@ -45,10 +43,11 @@ class ModelStore {
   std::string PathOf(absl::string_view name) const;
 
  private:
-  ModelStore(std::string folder, bool temporary, ModelStoreOptions options);
+  ModelStore(std::string folder, std::optional<base::TemporaryFolder> temporary,
+             ModelStoreOptions options);
 
   std::string folder_;
-  bool temporary_ = false;
+  std::optional<base::TemporaryFolder> temporary_;  // which it is then
   ModelStoreOptions options_;
 };
 

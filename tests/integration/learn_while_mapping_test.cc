@@ -89,7 +89,8 @@ TEST_F(LearnWhileMapping, AMapIsMadeWithoutTheLearner) {
 TEST_F(LearnWhileMapping, SaysThatItNeedsACamera) {
   const ProgramResult result = RunProgram(Map({}));
   EXPECT_NE(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("--learn is for --live with a camera"));
+  EXPECT_THAT(result.err,
+              HasSubstr("--learn and --server are for --live with a camera"));
 }
 
 }  // namespace

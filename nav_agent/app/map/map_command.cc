@@ -13,15 +13,16 @@
 #include "client/relocalizer/connect_options.h"
 #include "common/base/clock.h"
 #include "common/base/file.h"
-#include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
+#include "nav_agent/app/map/calibrated_log.h"
 #include "nav_agent/app/map/live_drive.h"
 #include "nav_agent/app/map/live_questions.h"
 #include "nav_agent/app/map/live_scene.h"
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/app/map/map_from_rgbd.h"
+#include "nav_agent/app/map/phase_line.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
 #include "nav_agent/app/ros/any_robot_file.h"
 #include "nav_agent/recording/log_correction.h"
@@ -61,6 +62,7 @@ Examples:
       --record drive.tlog
   treeline-agent map --log drive.tlog --output cafe
   treeline-agent map --log intel.json --output intel --resolution 0.1
+  treeline-agent map --log fr079.clf --calibrate --output fr079
   treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
       --camera openni --output house
   treeline-agent map --live --ros2 robot.yaml --output house
@@ -84,33 +86,10 @@ struct MapFlags {
   std::string robot;
   recording::LogCorrection correction;
   std::optional<core::MeasuredOdometryNoise> noise;
+  bool calibrate = false;
+  recording::RecordingTime::duration scan_delay{};
   bool no_loops = false;
   bool quiet = false;
-};
-
-// One progress line for each phase.
-class PhaseLine {
- public:
-  explicit PhaseLine(bool quiet) : quiet_(quiet) {}
-
-  void Show(const std::string& phase, double part) {
-    if (phase != phase_) {
-      line_.emplace(phase, kUnits, quiet_);
-      phase_ = phase;
-      shown_ = 0;
-    }
-    const auto now = static_cast<int64_t>(part * kUnits);
-    if (now > shown_) line_->Add(now - shown_);
-    shown_ = std::max(shown_, now);
-  }
-
- private:
-  static constexpr int64_t kUnits = 1000;
-
-  bool quiet_;
-  std::string phase_;
-  int64_t shown_ = 0;
-  std::optional<base::Progress> line_;
 };
 
 void PrintSummary(const MapLogResult& result) {
@@ -181,6 +160,7 @@ absl::StatusOr<MapLogResult> RunLog(const MapFlags& flags,
   SetOdometryNoise(flags.odometry_noise, flags.noise, options.drive);
   options.drive.slam.synchronous = true;
   options.drive.slam.loops.enabled = !flags.no_loops;
+  options.scan_delay = flags.scan_delay;
   options.stop = stop;
   TL_ASSIGN_OR_RETURN(
       const ros_log::AsAgentLog log,
@@ -200,6 +180,18 @@ absl::StatusOr<MapLogResult> RunLog(const MapFlags& flags,
   PrintSummary(*result);
   PrintSummary(result->summary);
   return result;
+}
+
+absl::Status RunCalibrated(MapFlags& flags, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const CalibratedLog log,
+                      CalibratedLog::Make(flags.log, flags.robot, stop));
+  std::fprintf(stderr, "%s", log.summary().c_str());
+  if (flags.odometry_noise == "auto" && !log.has_gyroscope()) {
+    flags.odometry_noise = "learned";
+  }
+  flags.log = log.path();
+  flags.scan_delay = log.scan_delay();
+  return RunLog(flags, stop).status();
 }
 
 void PrintSummary(const MapRgbdResult& result) {
@@ -402,25 +394,22 @@ absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
         "--live");
   }
   flags.map.traversability.max_slope_rad = flags.max_slope_deg / kDegPerRad;
-  if (!flags.robot.empty() && flags.log.empty()) {
+  if (flags.log.empty() && (flags.calibrate || !flags.robot.empty())) {
     return absl::InvalidArgumentError(
-        "--robot is for --log; with --live, --hardware or --ros2 names the "
-        "robot's file");
+        "--robot and --calibrate are for --log; with --live, --hardware or "
+        "--ros2 names the robot's file");
   }
-  if (!flags.scene.repository.empty() &&
-      (!flags.is_live || flags.live.camera == "none") &&
-      flags.live.hardware.empty() && flags.live.ros2.empty()) {
+  const bool has_camera = (flags.is_live && flags.live.camera != "none") ||
+                          !flags.live.hardware.empty() ||
+                          !flags.live.ros2.empty();
+  if (!has_camera &&
+      !(flags.scene.repository.empty() && flags.server.server.empty())) {
     return absl::InvalidArgumentError(
-        "--learn is for --live with a camera; of a map that is there, "
-        "`treeline train --map` learns the scene");
-  }
-  if (!flags.server.server.empty() &&
-      (!flags.is_live || flags.live.camera == "none") &&
-      flags.live.hardware.empty() && flags.live.ros2.empty()) {
-    return absl::InvalidArgumentError(
-        "--server is for --live with a camera: a lost robot is asked about");
+        "--learn and --server are for --live with a camera; of a map that is "
+        "there, `treeline train --map` learns the scene");
   }
   if (flags.is_live) return RunLive(flags, stop);
+  if (flags.calibrate) return RunCalibrated(flags, stop);
   if (!flags.robot.empty()) {
     TL_ASSIGN_OR_RETURN(const ros_app::AnyRobotFile file,
                         ros_app::ReadAnyRobotFile(flags.robot));
@@ -509,6 +498,9 @@ cli::Command AddMapCommand(CLI::App& app) {
                    "--log: the robot that drove, with its calibration: a "
                    "file of a robot, of --hardware or of --ros2")
       ->type_name("FILE");
+  command->add_flag("--calibrate", flags->calibrate,
+                    "--log: calibrate the robot by the drive first, as "
+                    "`treeline-agent calibrate` does");
   command
       ->add_option("--camera", flags->live.camera,
                    "--live: none, openni, or, with --simulate, simulated")

@@ -216,6 +216,11 @@ absl::StatusOr<MapLogResult> MapLog(const std::string& log,
       .method = is_planar ? "laser SLAM, planar" : "laser SLAM, RGB-D fused",
       .trajectory_of = "base",
       .trajectory = result.drive.map_from_base};
+  if (is_planar) {
+    for (dataset::TimedPose& pose : provenance.trajectory) {
+      pose.time += options.scan_delay.count();
+    }
+  }
   if (result.drive.robot.has_value()) {
     provenance.half_width_m = result.drive.robot->half_width_m;
   }

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/app/map/map_assembly.h"
 #include "nav_agent/mapping/recording_mapper.h"
+#include "nav_agent/recording/recording_time.h"
 
 namespace treeline::map_app {
 
@@ -21,6 +22,9 @@ using PhaseProgress = std::function<void(const char* phase, double part)>;
 struct MapLogOptions {
   MapOptions map;
   mapping::RecordingMapOptions drive;
+  // Added to the trajectory's times if there are no frames: of a log whose
+  // scans are stamped anew, they are then those of the recording.
+  recording::RecordingTime::duration scan_delay{};
   PhaseProgress progress;
   std::stop_token stop;
 };
