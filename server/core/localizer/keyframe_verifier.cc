@@ -7,6 +7,7 @@
 #include "server/core/keyframes/direct_alignment.h"
 #include "server/core/localizer/alignment_trust.h"
 #include "server/core/localizer/parameters.h"
+#include "server/core/localizer/position_doubt.h"
 #include "server/core/localizer/stated_camera.h"
 
 namespace treeline::localizer {
@@ -58,12 +59,18 @@ KeyframeVerifier::Create(const forest::ModelFile& model, AlignmentUse use) {
   return verifier;
 }
 
+geometry::PoseCovariance KeyframeVerifier::KnownOf(
+    const Candidate& candidate) const {
+  return use_ == AlignmentUse::kReplaces || candidate.is_matched
+             ? candidate.pose->covariance
+             : Widened(candidate.pose->covariance, kForestErrors);
+}
+
 pose::PoseWithCovariance KeyframeVerifier::Answer(
-    const pose::RefinedPose& candidate,
-    const pose::PoseWithCovariance& aligned) const {
+    const Candidate& candidate, const pose::PoseWithCovariance& aligned) const {
   if (use_ == AlignmentUse::kReplaces) return aligned;
-  return pose::FusePoses({candidate.world_from_camera, candidate.covariance},
-                         aligned)
+  return pose::FusePoses(
+             {candidate.pose->world_from_camera, KnownOf(candidate)}, aligned)
       .value_or(aligned);
 }
 
@@ -89,7 +96,12 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
   const camera::RgbdCalibration& calibration = query.calibration();
   Verdict verdict;
   verdict.world_from_camera = pose.world_from_camera;
-  verdict.covariance = pose.covariance;
+  verdict.covariance = KnownOf(candidate);
+  if (use_ == AlignmentUse::kFuses && candidate.is_matched &&
+      query.depth() == nullptr) {
+    verdict.of_features = pose.covariance;
+  }
+  double sigma_m = PositionSigma_m(pose.covariance);
   const geometry::Rigid3 world_from_color =
       camera::PoseOfSensor(pose.world_from_camera, calibration.pose_sensor,
                            camera::RgbdSensor::kColor, calibration);
@@ -110,17 +122,19 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
     if (is_drawn_away) verdict.evidence.moved_m = 0;
     // With less overlap the candidate is surer of the pose.
     if (aligned->overlap >= kMinKeyframeOverlap && !is_drawn_away) {
-      const pose::PoseWithCovariance answer = Answer(
-          pose, {camera::PoseOfSensor(aligned->world_from_camera,
-                                      camera::RgbdSensor::kColor,
-                                      calibration.pose_sensor, calibration),
-                 aligned->covariance});
+      const pose::PoseWithCovariance answer =
+          Answer(candidate,
+                 {camera::PoseOfSensor(aligned->world_from_camera,
+                                       camera::RgbdSensor::kColor,
+                                       calibration.pose_sensor, calibration),
+                  aligned->covariance});
       verdict.world_from_camera = answer.world_from_camera;
-      verdict.covariance = answer.covariance;
+      sigma_m = std::min(sigma_m, PositionSigma_m(answer.covariance));
+      verdict.covariance = use_ == AlignmentUse::kFuses
+                               ? Widened(answer.covariance, kSharedErrors)
+                               : answer.covariance;
     }
   }
-  const double sigma_m = std::min(PositionSigma_m(pose.covariance),
-                                  PositionSigma_m(verdict.covariance));
   verdict.evidence.inlier_ratio = candidate.inlier_ratio();
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
   verdict.evidence.distinct = candidate.distinct;
@@ -137,9 +151,7 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
            (candidate.is_matched ? kMinKeyframeInliers : kMinAnswerInliers),
        .is_determined = sigma_m <= MaxPositionSigma(),
        .fits_depth = !ContradictsDepth(verdict.evidence),
-       .is_confident =
-           verdict.confidence >=
-           query.options().min_confidence.value_or(confidence_.threshold)});
+       .is_confident = verdict.confidence >= MinConfidence(query.options())});
   return verdict;
 }
 
