@@ -42,7 +42,7 @@ void WeighDoubt(const std::optional<geometry::PoseCovariance>& of_features,
   if (of_features) {
     estimate.covariance = Widened(estimate.covariance, scale);
     estimate.confidence *=
-        camera ? ProbabilityNear(Widened(Sum(*of_features, *camera), scale))
+        camera ? ProbabilityNear(Sum(*of_features, Widened(*camera, scale)))
                : 0;
   }
   if (camera) {

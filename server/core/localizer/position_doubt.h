@@ -25,13 +25,13 @@ geometry::PoseCovariance Sum(const geometry::PoseCovariance& a,
 // for what is not finite.
 double ProbabilityNear(const geometry::PoseCovariance& covariance);
 
-// Tells an answer without depth how well its position is known at all. What
+// Tells an answer without depth how well its position is known at all. By what
 // matched features alone say of it (`of_features`, see Verdict) and what not to
-// know the camera adds (`camera`; nullopt: nothing tells of the camera), both
-// `scale` times as wide, is the widest that it may be off by: its confidence
-// becomes as much smaller as ProbabilityNear says, and below `min_confidence`
-// it is no answer. Its covariance gets as wide, and that of the camera added.
-// Without features only the latter.
+// know the camera adds (`camera`, `scale` times as wide; nullopt: nothing tells
+// of the camera) its confidence becomes as much smaller as ProbabilityNear
+// says, and below `min_confidence` it is no answer. Its covariance, which is
+// narrower than that of the features, gets `scale` times as wide, and that of
+// the camera is added. Without features only the latter.
 void WeighDoubt(const std::optional<geometry::PoseCovariance>& of_features,
                 const std::optional<geometry::PoseCovariance>& camera,
                 double scale, double min_confidence, PoseEstimate& estimate);

@@ -79,10 +79,12 @@ TEST(PositionDoubt, WhatIsNotDeterminedIsNoAnswerHoweverSure) {
   const PoseEstimate wide = Weighed(Aslant(0.05), Aslant(0), 1);
   EXPECT_EQ(wide.outcome, Outcome::kNotLocalized);
   EXPECT_EQ(wide.reason, NotLocalizedReason::kPoorlyConstrained);
-  // A scene that understates it, and a camera that is known to 4 cm.
-  EXPECT_EQ(Weighed(Aslant(0.025), Aslant(0), 2).outcome,
-            Outcome::kNotLocalized);
+  // A camera that is known to 4 cm, and one to 2 cm where that is understated.
   EXPECT_EQ(Weighed(Aslant(0.03), Aslant(0.04), 1).outcome,
+            Outcome::kNotLocalized);
+  EXPECT_EQ(Weighed(Aslant(0.03), Aslant(0.02), 1).outcome,
+            Outcome::kLocalized);
+  EXPECT_EQ(Weighed(Aslant(0.03), Aslant(0.02), 2).outcome,
             Outcome::kNotLocalized);
 }
 
