@@ -59,18 +59,12 @@ KeyframeVerifier::Create(const forest::ModelFile& model, AlignmentUse use) {
   return verifier;
 }
 
-geometry::PoseCovariance KeyframeVerifier::KnownOf(
-    const Candidate& candidate) const {
-  return use_ == AlignmentUse::kReplaces || candidate.is_matched
-             ? candidate.pose->covariance
-             : Widened(candidate.pose->covariance, kForestErrors);
-}
-
 pose::PoseWithCovariance KeyframeVerifier::Answer(
-    const Candidate& candidate, const pose::PoseWithCovariance& aligned) const {
+    const pose::RefinedPose& candidate,
+    const pose::PoseWithCovariance& aligned) const {
   if (use_ == AlignmentUse::kReplaces) return aligned;
-  return pose::FusePoses(
-             {candidate.pose->world_from_camera, KnownOf(candidate)}, aligned)
+  return pose::FusePoses({candidate.world_from_camera, candidate.covariance},
+                         aligned)
       .value_or(aligned);
 }
 
@@ -96,7 +90,7 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
   const camera::RgbdCalibration& calibration = query.calibration();
   Verdict verdict;
   verdict.world_from_camera = pose.world_from_camera;
-  verdict.covariance = KnownOf(candidate);
+  verdict.covariance = pose.covariance;
   if (use_ == AlignmentUse::kFuses && candidate.is_matched &&
       query.depth() == nullptr) {
     verdict.of_features = pose.covariance;
@@ -122,18 +116,21 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
     if (is_drawn_away) verdict.evidence.moved_m = 0;
     // With less overlap the candidate is surer of the pose.
     if (aligned->overlap >= kMinKeyframeOverlap && !is_drawn_away) {
-      const pose::PoseWithCovariance answer =
-          Answer(candidate,
-                 {camera::PoseOfSensor(aligned->world_from_camera,
-                                       camera::RgbdSensor::kColor,
-                                       calibration.pose_sensor, calibration),
-                  aligned->covariance});
+      const pose::PoseWithCovariance answer = Answer(
+          pose, {camera::PoseOfSensor(aligned->world_from_camera,
+                                      camera::RgbdSensor::kColor,
+                                      calibration.pose_sensor, calibration),
+                 aligned->covariance});
       verdict.world_from_camera = answer.world_from_camera;
       sigma_m = std::min(sigma_m, PositionSigma_m(answer.covariance));
-      verdict.covariance = use_ == AlignmentUse::kFuses
-                               ? Widened(answer.covariance, kSharedErrors)
-                               : answer.covariance;
+      verdict.covariance = answer.covariance;
+      if (use_ == AlignmentUse::kFuses) {
+        verdict.covariance = Widened(answer.covariance, kSharedErrors);
+      }
     }
+  }
+  if (use_ == AlignmentUse::kFuses && !candidate.is_matched) {
+    verdict.covariance = Widened(verdict.covariance, kForestErrors);
   }
   verdict.evidence.inlier_ratio = candidate.inlier_ratio();
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;

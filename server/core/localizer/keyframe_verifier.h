@@ -43,10 +43,8 @@ class KeyframeVerifier final : public PoseVerifier {
   // In even light, or in some that differs over the picture.
   Verdict Judge(Query& query, const Candidate& candidate,
                 bool evens_light) const;
-  // What the candidate knows of its pose.
-  geometry::PoseCovariance KnownOf(const Candidate& candidate) const;
   pose::PoseWithCovariance Answer(
-      const Candidate& candidate,
+      const pose::RefinedPose& candidate,
       const pose::PoseWithCovariance& aligned) const;
 
   AlignmentUse use_ = AlignmentUse::kReplaces;

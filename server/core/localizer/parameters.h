@@ -331,8 +331,8 @@ inline constexpr base::Parameter<double> kForestErrors{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why =
-        "... and that of a forest's samples by so many: samples that stand "
-        "together err together. From 2 to 4 poses are nearer, too"};
+        "... and by so many times more where the candidate is a forest's: "
+        "samples that stand together err together"};
 inline constexpr base::Parameter<double> kApart_m{
     .name = "apart",
     .value = 0.05,
