@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
@@ -48,6 +49,18 @@ double UsualOdds(const pose::LensEstimate& found, const Priors& priors,
          std::sqrt(determinant) * std::exp(-squared_sigmas / 2);
 }
 
+// What is added to a covariance if it is `b` with this probability, and else
+// `a`.
+geometry::PoseCovariance Mixed(const geometry::PoseCovariance& a,
+                               const geometry::PoseCovariance& b,
+                               double probability) {
+  geometry::PoseCovariance mixed{};
+  for (size_t i = 0; i < mixed.size(); ++i) {
+    mixed[i] = (1 - probability) * a[i] + probability * b[i];
+  }
+  return mixed;
+}
+
 }  // namespace
 
 std::optional<AssumedLens> FindAssumedLens(
@@ -58,9 +71,15 @@ std::optional<AssumedLens> FindAssumedLens(
   const auto estimate = [&](const pose::LensPrior& prior) {
     return pose::EstimateLens(scene, world_from_camera, robust_scale, prior);
   };
-  const std::optional<pose::LensEstimate> any = estimate(priors.any);
+  std::optional<pose::LensEstimate> any = estimate(priors.any);
   if (!any) return std::nullopt;
-  if (UsualOdds(*any, priors, 0, 3) >= min_odds) return AssumedLens{*any, true};
+  const double odds = UsualOdds(*any, priors, 0, 3);
+  if (odds >= min_odds) {
+    const std::optional<pose::LensEstimate> usual = estimate(priors.usual);
+    if (!usual) return std::nullopt;
+    any->added = Mixed(usual->added, any->added, 1 / (1 + odds));
+    return AssumedLens{*any, true};
+  }
   const bool is_straight = UsualOdds(*any, priors, 2, 1) >= kMinUsualLensOdds;
   const bool is_centred = UsualOdds(*any, priors, 0, 2) >= kMinUsualLensOdds;
   if (is_straight == is_centred) return AssumedLens{*any};

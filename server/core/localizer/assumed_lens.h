@@ -17,7 +17,9 @@
 namespace treeline::localizer {
 
 struct AssumedLens {
-  // As little differs from what is assumed as features allow.
+  // As little differs from what is assumed as features allow. If it is as
+  // assumed, what it adds to a covariance is a usual lens's share, or any's, by
+  // how probable either is.
   pose::LensEstimate found;
   // Nothing does, with the odds that were asked for.
   bool is_as_assumed = false;

@@ -80,6 +80,17 @@ TEST_F(AssumedLensTest, AWholePictureOfAnOrdinaryLensIsLeftAlone) {
   }
 }
 
+TEST_F(AssumedLensTest, AsAssumedItAddsLessToAPoseThanAnyLensDoes) {
+  const auto usual = Find("SIMPLE_PINHOLE,500,319.5,239.5");
+  min_odds_ = 1e9;
+  const auto any = Find("SIMPLE_PINHOLE,500,319.5,239.5");
+  ASSERT_TRUE(usual->is_as_assumed && !any->is_as_assumed);
+  for (const size_t axis : {0, 7, 14}) {
+    EXPECT_GT(usual->found.added[axis], 0) << axis;
+    EXPECT_LT(usual->found.added[axis], any->found.added[axis]) << axis;
+  }
+}
+
 TEST_F(AssumedLensTest, AWindowsPrincipalPointIsFound) {
   const camera::Camera found = Corrected("SIMPLE_PINHOLE,500,250,280");
   EXPECT_NEAR(found.cx(), 250, 25);

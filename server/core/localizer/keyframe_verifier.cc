@@ -7,6 +7,7 @@
 #include "server/core/keyframes/direct_alignment.h"
 #include "server/core/localizer/alignment_trust.h"
 #include "server/core/localizer/parameters.h"
+#include "server/core/localizer/position_doubt.h"
 #include "server/core/localizer/stated_camera.h"
 
 namespace treeline::localizer {
@@ -90,6 +91,11 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
   Verdict verdict;
   verdict.world_from_camera = pose.world_from_camera;
   verdict.covariance = pose.covariance;
+  if (use_ == AlignmentUse::kFuses && candidate.is_matched &&
+      query.depth() == nullptr) {
+    verdict.of_features = pose.covariance;
+  }
+  double sigma_m = PositionSigma_m(pose.covariance);
   const geometry::Rigid3 world_from_color =
       camera::PoseOfSensor(pose.world_from_camera, calibration.pose_sensor,
                            camera::RgbdSensor::kColor, calibration);
@@ -116,11 +122,16 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
                                       calibration.pose_sensor, calibration),
                  aligned->covariance});
       verdict.world_from_camera = answer.world_from_camera;
+      sigma_m = std::min(sigma_m, PositionSigma_m(answer.covariance));
       verdict.covariance = answer.covariance;
+      if (use_ == AlignmentUse::kFuses) {
+        verdict.covariance = Widened(answer.covariance, kSharedErrors);
+      }
     }
   }
-  const double sigma_m = std::min(PositionSigma_m(pose.covariance),
-                                  PositionSigma_m(verdict.covariance));
+  if (use_ == AlignmentUse::kFuses && !candidate.is_matched) {
+    verdict.covariance = Widened(verdict.covariance, kForestErrors);
+  }
   verdict.evidence.inlier_ratio = candidate.inlier_ratio();
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
   verdict.evidence.distinct = candidate.distinct;
@@ -137,9 +148,7 @@ Verdict KeyframeVerifier::Judge(Query& query, const Candidate& candidate,
            (candidate.is_matched ? kMinKeyframeInliers : kMinAnswerInliers),
        .is_determined = sigma_m <= MaxPositionSigma(),
        .fits_depth = !ContradictsDepth(verdict.evidence),
-       .is_confident =
-           verdict.confidence >=
-           query.options().min_confidence.value_or(confidence_.threshold)});
+       .is_confident = verdict.confidence >= MinConfidence(query.options())});
   return verdict;
 }
 

@@ -30,6 +30,9 @@ class KeyframeVerifier final : public PoseVerifier {
   // Aligns the pose with the keyframes around, where there are any, by colour
   // and, if the query has it, by depth.
   Verdict Verify(Query& query, const Candidate& candidate) const override;
+  double MinConfidence(const LocalizeOptions& options) const override {
+    return options.min_confidence.value_or(confidence_.threshold);
+  }
   double MaxPositionSigma() const override { return kMaxPositionSigma_m; }
   std::optional<keyframes::DepthScale> MeasureDepth(
       Query& query, const geometry::Rigid3& world_from_camera) const override;

@@ -106,6 +106,29 @@ TEST_F(KeyframeVerifierTest, ButNotOneThatTheyAreSureOf) {
   EXPECT_EQ(verdict.evidence.moved_m, 0);
 }
 
+// Both are estimates by one map: together they know no more than the better.
+TEST_F(KeyframeVerifierTest, AFusedPoseIsNoSurerThanItsAlignment) {
+  const Verdict aligned = Verify(0.05, AlignmentUse::kReplaces);
+  const Verdict fused = Verify(0.05, AlignmentUse::kFuses);
+  EXPECT_GT(fused.covariance[0], aligned.covariance[0]);
+  EXPECT_LE(fused.covariance[0], 2.001 * aligned.covariance[0]);
+  EXPECT_LT(fused.evidence.sigma_m, std::sqrt(fused.covariance[0]));
+}
+
+TEST_F(KeyframeVerifierTest, SaysWhatFeaturesAloneKnow) {
+  const Verdict fused = Verify(0.02, AlignmentUse::kFuses);
+  ASSERT_TRUE(fused.of_features.has_value());
+  EXPECT_EQ((*fused.of_features)[0], 0.02 * 0.02);
+  EXPECT_FALSE(Verify(0.02, AlignmentUse::kReplaces).of_features.has_value());
+  // Depth holds the pose, too.
+  frame_.depth.emplace();
+  frame_.depth->width = kWidth;
+  frame_.depth->height = kHeight;
+  frame_.depth->unit_m = 0.001;
+  frame_.depth->values.assign(kWidth * kHeight, 1000 * kWall_m);
+  EXPECT_FALSE(Verify(0.02, AlignmentUse::kFuses).of_features.has_value());
+}
+
 TEST_F(KeyframeVerifierTest, WhereAlignmentReplacesPosesItMovesAny) {
   const Verdict verdict = Verify(0.001, AlignmentUse::kReplaces);
   EXPECT_LT(verdict.world_from_camera.translation.x, 0.5 * kAside_m);

@@ -50,6 +50,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kDrawnAwaySigmas),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
+          base::RowOf(kSharedErrors),
+          base::RowOf(kForestErrors),
           base::RowOf(kApart_m),
           base::RowOf(kApart_rad),
           base::RowOf(kMaxAlignedKeyframes),

@@ -4,6 +4,7 @@
 #ifndef SERVER_CORE_LOCALIZER_PARAMETERS_H_
 #define SERVER_CORE_LOCALIZER_PARAMETERS_H_
 
+#include <numbers>
 #include <vector>
 
 #include "common/base/parameter.h"
@@ -314,6 +315,24 @@ inline constexpr base::Parameter<double> kMinDepthAgreement{
         "if depth agrees with fewer of the points whose brightness does, it "
         "refutes the pose: 3 of 775 right poses, 272 of 292 with another "
         "frame's depth (six scenes)"};
+inline constexpr base::Parameter<double> kSharedErrors{
+    .name = "shared_errors",
+    .value = std::numbers::sqrt2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "a pose fused of a candidate and its alignment is off by so many times "
+        "what two that know nothing of each other say: they have the map's "
+        "errors in common, and two that have all in common know no more than "
+        "one"};
+inline constexpr base::Parameter<double> kForestErrors{
+    .name = "forest_errors",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... and by so many times more where the candidate is a forest's: "
+        "samples that stand together err together"};
 inline constexpr base::Parameter<double> kApart_m{
     .name = "apart",
     .value = 0.05,

@@ -10,6 +10,7 @@
 #include "common/camera/derived_camera.h"
 #include "server/core/localizer/assumed_lens.h"
 #include "server/core/localizer/parameters.h"
+#include "server/core/localizer/position_doubt.h"
 #include "server/core/localizer/report.h"
 #include "server/core/localizer/shutter_correction.h"
 #include "server/core/localizer/stated_camera.h"
@@ -305,7 +306,8 @@ Query Pipeline::Ask(const image::Frame& frame,
                     QueryScratch& scratch) const {
   Query query(frame, calibration, method_.depth_use, options, scratch);
   const camera::Camera& learnt = info().calibration.color;
-  if (frame.is_camera_assumed || MayBeGuessed(calibration.color, learnt)) {
+  if (frame.is_camera_assumed || MayBeGuessed(calibration.color, learnt) ||
+      (TellsLenses() && MayBeCutElsewhere(calibration.color, learnt))) {
     query.set_focal_doubtful();
   }
   query.set_focal_open(method_.focal_use == FocalUse::kCorrected ||
@@ -388,20 +390,46 @@ bool Pipeline::TellsLenses() const {
 }
 
 bool Pipeline::IsAssumedRightly(const Found& found,
-                                PoseEstimate& estimate) const {
+                                const PoseEstimate& estimate) const {
   const FocalEvidence& focal = found.selection.focal;
   if (!focal.lens || !focal.lens->is_as_assumed ||
       !IsGuessConfirmed(focal,
                         kMaxAssumedFocalSigma / *method_.focal_sigma_scale)) {
     return false;
   }
-  if (!found.lens) return true;
-  const double scale = *method_.focal_sigma_scale;
-  for (size_t i = 0; i < estimate.covariance.size(); ++i) {
-    estimate.covariance[i] += scale * scale * found.lens->added[i];
+  return !found.lens ||
+         PositionSigma_m(estimate.covariance) <=
+             kMaxLensSigma * method_.verifier->MaxPositionSigma();
+}
+
+std::optional<geometry::PoseCovariance> Pipeline::CameraDoubt(
+    const Query& query, const Found& found) {
+  if (!query.is_focal_doubtful() && found.corrections.focal_scale == 1) {
+    return geometry::PoseCovariance{};
   }
-  return PositionSigma_m(estimate.covariance) <=
-         kMaxLensSigma * method_.verifier->MaxPositionSigma();
+  if (found.lens) return found.lens->added;
+  const FocalEvidence& focal = found.selection.focal;
+  if (focal.lens) return focal.lens->found.added;
+  if (focal.features) return focal.features->added;
+  return std::nullopt;
+}
+
+void Pipeline::Weigh(const Query& query, const Found& found,
+                     PoseEstimate& estimate) const {
+  const std::optional<Verdict>& verdict = found.selection.verdict;
+  if (!verdict) return;
+  if (query.depth() == nullptr) {
+    WeighDoubt(verdict->of_features, CameraDoubt(query, found),
+               method_.focal_sigma_scale.value_or(1),
+               method_.verifier->MinConfidence(query.options()), estimate);
+  }
+  if ((query.is_camera_assumed() || found.lens) && verdict->is_believed() &&
+      !IsAssumedRightly(found, estimate)) {
+    estimate.outcome = Outcome::kNotLocalized;
+    estimate.reason = NotLocalizedReason::kUnknownCamera;
+    // The place is known.
+    estimate.confidence = verdict->confidence;
+  }
 }
 
 absl::Status Pipeline::AskAgainWithFocal(const image::Frame& frame,
@@ -494,13 +522,8 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
   PoseEstimate estimate =
       Report(std::move(found.selection.candidate),
              found.selection.verdict ? &*found.selection.verdict : nullptr);
-  const bool is_found = frame.is_camera_assumed || found.lens;
-  if (is_found && estimate.outcome == Outcome::kLocalized &&
-      !IsAssumedRightly(found, estimate)) {
-    estimate.outcome = Outcome::kNotLocalized;
-    estimate.reason = NotLocalizedReason::kUnknownCamera;
-  }
-  if (is_found) estimate.found_camera = camera;
+  Weigh(query, found, estimate);
+  if (frame.is_camera_assumed || found.lens) estimate.found_camera = camera;
   estimate.focal_scale = found.corrections.focal_scale;
   estimate.focal_error_sigmas = found.corrections.focal_error_sigmas;
   estimate.depth_scale = found.corrections.depth_scale;

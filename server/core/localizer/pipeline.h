@@ -132,9 +132,15 @@ class Pipeline final : public Localizer {
       Found& found) const;
   // Whether features of this scene tell what a camera is like, by its trials.
   bool TellsLenses() const;
-  // Whether the camera, which nobody stated, is what was seen with. Where its
-  // lens was found, the answer's covariance gets to know of the doubt in it.
-  bool IsAssumedRightly(const Found& found, PoseEstimate& estimate) const;
+  // Whether the camera, which nobody stated, is what was seen with.
+  bool IsAssumedRightly(const Found& found, const PoseEstimate& estimate) const;
+  // What not to know the camera adds to the answer's covariance; zero where it
+  // is as stated. nullopt: nothing that is seen tells of it.
+  static std::optional<geometry::PoseCovariance> CameraDoubt(
+      const Query& query, const Found& found);
+  // Whether position and camera are known as well as an answer needs.
+  void Weigh(const Query& query, const Found& found,
+             PoseEstimate& estimate) const;
   // Puts what was found with one of CentredCameras in the place of `found`,
   // where that is rather to be believed.
   absl::Status TryOtherCameras(const image::Frame& frame,

@@ -46,6 +46,9 @@ class FakeVerifier final : public PoseVerifier {
     ++*verified_;
     return verdicts_.at(candidate.pose->inliers);
   }
+  double MinConfidence(const LocalizeOptions& /*options*/) const override {
+    return 0.5;
+  }
   double MaxPositionSigma() const override { return 0.05; }
   std::optional<keyframes::DepthScale> MeasureDepth(
       Query& /*query*/,

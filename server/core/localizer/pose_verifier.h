@@ -21,6 +21,9 @@ struct Verdict {
   // The candidate's, or a better one near it.
   geometry::Rigid3 world_from_camera = {};
   geometry::PoseCovariance covariance{};
+  // What matched features alone say of it, where nothing but them and what the
+  // picture looks like holds the pose; nullopt: something else does.
+  std::optional<geometry::PoseCovariance> of_features = std::nullopt;
   // See PoseEstimate.
   double confidence = 0;
   forest::PoseEvidence evidence = {};
@@ -60,6 +63,9 @@ class PoseVerifier {
 
   // `candidate` has a pose. The same query and candidate give the same verdict.
   virtual Verdict Verify(Query& query, const Candidate& candidate) const = 0;
+
+  // The least confidence of an answer.
+  virtual double MinConfidence(const LocalizeOptions& options) const = 0;
 
   // An answer's position has to be known as well: the largest standard
   // deviation of its axes, in the scene's units.

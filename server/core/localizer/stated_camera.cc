@@ -64,6 +64,15 @@ bool IsOffCentre(const camera::Camera& camera) {
   return IsFar(offset.x, offset.y);
 }
 
+// To within what it is rounded to.
+bool IsCentred(const camera::Camera& camera) {
+  constexpr double kRounding_px = 1;
+  const Offset offset = OffsetOf(camera);
+  return std::max(std::abs(offset.x), std::abs(offset.y)) *
+             LongerSide(camera) <=
+         kRounding_px;
+}
+
 // With its focal lengths times `scale` and the principal point in the middle.
 std::optional<camera::Camera> Centred(const camera::Camera& camera,
                                       double scale) {
@@ -103,6 +112,12 @@ bool MayBeGuessed(const camera::Camera& stated, const camera::Camera& learnt) {
   if (IsSame(RelativeFocal(stated), RelativeFocal(learnt))) return false;
   if (MayBeWindowOf(stated, learnt) || IsOffCentre(stated)) return false;
   return !stated.has_distortion() || HasSameDistortion(stated, learnt);
+}
+
+bool MayBeCutElsewhere(const camera::Camera& stated,
+                       const camera::Camera& learnt) {
+  return !IsSame(RelativeFocal(stated), RelativeFocal(learnt)) &&
+         MayBeWindowOf(stated, learnt) && IsCentred(stated);
 }
 
 std::vector<camera::Camera> CentredCameras(const camera::Camera& stated,

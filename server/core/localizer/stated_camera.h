@@ -19,6 +19,12 @@ namespace treeline::localizer {
 //   picture is a window of another, and so is known to whoever cut it out.
 bool MayBeGuessed(const camera::Camera& stated, const camera::Camera& learnt);
 
+// Whether it is a window of the pictures of the camera that learnt the scene,
+// with the principal point in the very middle: whoever knows the focal length,
+// and not where the window was cut out, states that.
+bool MayBeCutElsewhere(const camera::Camera& stated,
+                       const camera::Camera& learnt);
+
 // What else the camera may be whose stated principal point is further from the
 // middle than lenses are mounted, and not where that of the camera that learnt
 // the scene is. That of a window of a picture is. But mostly such intrinsics

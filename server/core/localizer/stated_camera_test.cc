@@ -52,6 +52,24 @@ TEST(MayBeGuessedTest, IsNotAWindowOfTheScenesPictures) {
       MayBeGuessed(CameraOf("PINHOLE,525,525,400,300", 800, 600), Learnt()));
 }
 
+TEST(MayBeCutElsewhereTest, IsAWindowOfWhichTheMiddleIsStated) {
+  for (const char* middle : {"160,120", "159.5,119.5"}) {
+    EXPECT_TRUE(MayBeCutElsewhere(
+        CameraOf(absl::StrCat("PINHOLE,525,525,", middle), 320, 240),
+        Learnt()));
+  }
+  EXPECT_FALSE(MayBeCutElsewhere(CameraOf("PINHOLE,525,525,155,123", 320, 240),
+                                 Learnt()));
+  // Another zoom, the picture itself, resized, and a larger one.
+  EXPECT_FALSE(MayBeCutElsewhere(CameraOf("PINHOLE,600,600,160,120", 320, 240),
+                                 Learnt()));
+  EXPECT_FALSE(MayBeCutElsewhere(Learnt(), Learnt()));
+  EXPECT_FALSE(MayBeCutElsewhere(CameraOf("PINHOLE,262,262,160,120", 320, 240),
+                                 Learnt()));
+  EXPECT_FALSE(MayBeCutElsewhere(CameraOf("PINHOLE,525,525,400,300", 800, 600),
+                                 Learnt()));
+}
+
 TEST(MayBeGuessedTest, IsNotAWindowOfOtherPictures) {
   EXPECT_FALSE(
       MayBeGuessed(CameraOf("PINHOLE,900,900,100,400", 640, 480), Learnt()));

@@ -27,9 +27,7 @@ Verdict SupportVerifier::Verify(Query& query,
   verdict.reason = ReasonAgainst(
       {.has_enough_inliers = pose.inliers >= kMinSiftInliers,
        .is_determined = PositionSigma_m(pose.covariance) <= MaxPositionSigma(),
-       .is_confident =
-           verdict.confidence >=
-           query.options().min_confidence.value_or(confidence_.threshold)});
+       .is_confident = verdict.confidence >= MinConfidence(query.options())});
   return verdict;
 }
 

@@ -16,6 +16,9 @@ class SupportVerifier final : public PoseVerifier {
 
   // The candidate's pose as it is.
   Verdict Verify(Query& query, const Candidate& candidate) const override;
+  double MinConfidence(const LocalizeOptions& options) const override {
+    return options.min_confidence.value_or(confidence_.threshold);
+  }
   double MaxPositionSigma() const override;
 
  private:

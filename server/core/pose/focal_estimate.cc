@@ -285,18 +285,6 @@ std::optional<Minimum<Residuals::kUnknowns>> Minimize(
   return minimum;
 }
 
-template <int kUnknowns>
-std::optional<FocalEstimate> FocalOf(
-    const std::optional<Minimum<kUnknowns>>& minimum) {
-  if (!minimum) return std::nullopt;
-  const double variance =
-      minimum->variance * minimum->hessian.ldlt().solve(Vector<kUnknowns>::Unit(
-                              kFocalIndex))[kFocalIndex];
-  // Rounding may leave nothing of it where the focal length is hardly told.
-  if (!(variance > 0)) return std::nullopt;
-  return FocalEstimate{std::exp(minimum->at.log_focal), std::sqrt(variance)};
-}
-
 // `covariance` is of a step (v, w); the camera in the world moves by -R v and
 // turns by -R w.
 geometry::PoseCovariance InWorld(const Eigen::Matrix<double, 6, 6>& covariance,
@@ -313,6 +301,31 @@ geometry::PoseCovariance InWorld(const Eigen::Matrix<double, 6, 6>& covariance,
   return result;
 }
 
+// What not to know the camera adds to the covariance of a pose of rays.
+template <int kUnknowns>
+geometry::PoseCovariance AddedBy(const Minimum<kUnknowns>& minimum) {
+  const Matrix<6> with_camera =
+      minimum.variance *
+      minimum.hessian.template topLeftCorner<6, 6>().ldlt().solve(
+          Matrix<6>::Identity());
+  return InWorld(
+      minimum.Covariance().template topLeftCorner<6, 6>() - with_camera,
+      minimum.at.camera_from_world);
+}
+
+template <int kUnknowns>
+std::optional<FocalEstimate> FocalOf(
+    const std::optional<Minimum<kUnknowns>>& minimum) {
+  if (!minimum) return std::nullopt;
+  const double variance =
+      minimum->variance * minimum->hessian.ldlt().solve(Vector<kUnknowns>::Unit(
+                              kFocalIndex))[kFocalIndex];
+  // Rounding may leave nothing of it where the focal length is hardly told.
+  if (!(variance > 0)) return std::nullopt;
+  return FocalEstimate{.scale = std::exp(minimum->at.log_focal),
+                       .sigma = std::sqrt(variance)};
+}
+
 Descent RayDescent(double robust_scale) {
   return {.iterations = kFocalIterations,
           .robust_scale = robust_scale,
@@ -325,8 +338,11 @@ Descent RayDescent(double robust_scale) {
 std::optional<FocalEstimate> EstimateFocal(
     const RayPredictions& scene, const geometry::Rigid3& world_from_camera,
     double robust_scale) {
-  return FocalOf(Minimize(RayResiduals<7>(scene), world_from_camera,
-                          RayDescent(robust_scale)));
+  const auto minimum = Minimize(RayResiduals<7>(scene), world_from_camera,
+                                RayDescent(robust_scale));
+  std::optional<FocalEstimate> estimate = FocalOf(minimum);
+  if (estimate) estimate->added = AddedBy(*minimum);
+  return estimate;
 }
 
 std::optional<LensEstimate> EstimateLens(
@@ -338,17 +354,12 @@ std::optional<LensEstimate> EstimateLens(
   const std::optional<FocalEstimate> focal = FocalOf(minimum);
   if (!focal) return std::nullopt;
   const Matrix<kUnknowns> covariance = minimum->Covariance();
-  const Matrix<6> with_camera =
-      minimum->variance * minimum->hessian.topLeftCorner<6, 6>().ldlt().solve(
-                              Matrix<6>::Identity());
   const Eigen::Vector3d& lens = minimum->at.lens;
-  LensEstimate estimate{
-      .focal = *focal,
-      .offset_x = lens.x(),
-      .offset_y = lens.y(),
-      .radial = lens.z(),
-      .added = InWorld(covariance.topLeftCorner<6, 6>() - with_camera,
-                       minimum->at.camera_from_world)};
+  LensEstimate estimate{.focal = *focal,
+                        .offset_x = lens.x(),
+                        .offset_y = lens.y(),
+                        .radial = lens.z(),
+                        .added = AddedBy(*minimum)};
   Eigen::Map<Eigen::Matrix3d>(estimate.covariance.data()) =
       covariance.bottomRightCorner<kLensUnknowns, kLensUnknowns>();
   return estimate;

@@ -16,6 +16,9 @@ struct FocalEstimate {
   double scale = 1;
   // Standard deviation of log(scale).
   double sigma = 0;
+  // What not to know it adds to the covariance of a pose with it; zero of
+  // measured points, which hold the pose.
+  geometry::PoseCovariance added{};
 };
 
 // Likewise of a camera whose principal point and distortion are unknown, too:

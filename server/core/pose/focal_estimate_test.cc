@@ -60,6 +60,15 @@ TEST(FocalEstimate, SaysHowWellItIsKnown) {
   EXPECT_GT(shallow->sigma, 5 * deep->sigma);
 }
 
+// Along the line of sight, as much of the distance.
+TEST(FocalEstimate, SaysWhatThatDoesToThePosition) {
+  const auto shallow = Estimate(Seen(1, 1, 2.9, 3.1));
+  ASSERT_TRUE(shallow.has_value());
+  EXPECT_NEAR(std::sqrt(shallow->added[14]), 3 * shallow->sigma,
+              0.1 * 3 * shallow->sigma);
+  EXPECT_LT(shallow->added[0], 0.1 * shallow->added[14]);
+}
+
 TEST(FocalEstimate, HoldsOutAgainstWrongMatches) {
   const auto estimate = Estimate(Seen(1.08, 0.5, 1, 4, /*outlier_every=*/4));
   ASSERT_TRUE(estimate.has_value());
