@@ -60,7 +60,7 @@ absl::StatusOr<Method> MakeSift(const forest::ModelFile& model,
   Method method;
   method.verifier = std::make_unique<SupportVerifier>(model.info());
   // Cameras of a structure from motion are exact, each for itself.
-  AddFocal(model, FocalUse::kSoughtWhereAssumed, options, method);
+  AddFocal(model, FocalUse::kCorrected, options, method);
   method.steps.push_back({std::make_unique<SiftGenerator>(
       model.forest(), model.info().viewing_distance, options)});
   return method;
