@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "server/tools/dataset_flags.h"
@@ -122,9 +123,11 @@ void AddRepeated(CLI::App& app, const char* name,
 
 void AddMeasureFlags(CLI::App& app, EvaluateFlags& flags) {
   constexpr const char* kGroup = "What to measure";
-  AddRepeated(app, "--threshold", flags.threshold_texts, "CM,DEG", kGroup,
-              "Another threshold beside 5,5, 2,2 and 10,10; PERCENT%,DEG is "
-              "relative to the scene's size. May be repeated");
+  AddRepeated(
+      app, "--threshold", flags.threshold_texts, "CM,DEG", kGroup,
+      "Another threshold beside 5,5, 2,2 and 10,10 (and 1%,5 of structures "
+      "from motion); PERCENT%,DEG is "
+      "relative to the scene's size. May be repeated");
   AddRepeated(app, "--foreign", flags.foreign_texts, "URI[,FRAMES]", kGroup,
               "A recording of another place, none of whose frames may be "
               "localized; its cameras may follow "
@@ -206,6 +209,13 @@ void ParseTexts(EvaluateFlags& flags) {
     const auto threshold = OrUsageError("--threshold", ParseThreshold(text));
     if (std::ranges::count(flags.thresholds, threshold) > 0) continue;
     flags.thresholds.push_back(threshold);
+  }
+  // Centimetres say nothing where the unit of length is not known.
+  const std::string& uri = flags.dataset.uri;
+  if ((absl::StartsWith(uri, "colmap:") || absl::StartsWith(uri, "nvm:")) &&
+      std::ranges::count(flags.thresholds, true, &ThresholdRequest::relative) ==
+          0) {
+    flags.thresholds.push_back(kRelativeThreshold);
   }
   for (const std::string& text : flags.foreign_texts) {
     flags.foreign.push_back(

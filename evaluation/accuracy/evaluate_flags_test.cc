@@ -13,10 +13,11 @@ namespace {
 using ::testing::HasSubstr;
 
 // Empty if the command line is good, else what is wrong with it.
-std::string Parse(EvaluateFlags& flags, std::vector<std::string> arguments) {
+std::string Parse(EvaluateFlags& flags, std::vector<std::string> arguments,
+                  const std::string& dataset = "tum:test") {
   CLI::App app;
   AddEvaluateFlags(app, flags);
-  arguments.insert(arguments.end(), {"--dataset", "tum:test"});
+  arguments.insert(arguments.end(), {"--dataset", dataset});
   // CLI11 takes them from the back.
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
   try {
@@ -62,6 +63,17 @@ TEST(EvaluateFlags, WantATrainingRecordingForWhatIsLearned) {
   }
   EXPECT_EQ(Problem({"--compare", "a=b"}), "");
   EXPECT_EQ(Problem({"--model", "m", "--sweep", "trees=1..3"}), "");
+}
+
+TEST(EvaluateFlags, OfAStructureAddAThresholdThatNeedsNoUnit) {
+  EvaluateFlags flags;
+  EXPECT_EQ(Parse(flags, {"--model", "m"}, "colmap:a,b"), "");
+  EXPECT_EQ(flags.thresholds.back(), kRelativeThreshold);
+  EvaluateFlags given;
+  EXPECT_EQ(
+      Parse(given, {"--model", "m", "--threshold", "0.5%,2"}, "nvm:a.nvm"), "");
+  EXPECT_EQ(given.thresholds.size(), 4u);
+  EXPECT_NE(given.thresholds.back(), kRelativeThreshold);
 }
 
 TEST(EvaluateFlags, TakeRepeatedThresholdsForeignPicturesAndSweeps) {

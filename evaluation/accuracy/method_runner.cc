@@ -62,6 +62,13 @@ absl::StatusOr<MethodRunner> MethodRunner::Open(const EvaluateFlags& flags,
                                                 const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(dataset::Dataset dataset,
                       dataset::Dataset::Open(flags.dataset));
+  if (const auto& missing = dataset.missing_pictures(); missing.count > 0) {
+    std::fprintf(stderr, "not asked: %d %s of %s (the first: %s)\n",
+                 missing.count,
+                 missing.count == 1 ? "image whose picture is not there"
+                                    : "images whose pictures are not there",
+                 dataset.uri().c_str(), missing.first.c_str());
+  }
   std::optional<camera::RgbdCalibration> calibration;
   if (!flags.calibration_path.empty()) {
     TL_ASSIGN_OR_RETURN(calibration, ReadCalibration(flags.calibration_path));

@@ -30,6 +30,10 @@ absl::StatusOr<ThresholdRequest> ParseThreshold(absl::string_view text);
 // 5 cm / 5 degrees, 2 / 2 and 10 / 10: what every evaluation states.
 std::vector<ThresholdRequest> StandardThresholds();
 
+// What evaluations of a structure from motion state beside them, as its unit of
+// length may not be known.
+inline constexpr ThresholdRequest kRelativeThreshold{1, true, 5};
+
 // The diagonal of the box of the true camera positions (world units): a size
 // that any recording with ground truth has. nullopt: fewer than two differ.
 std::optional<double> SceneSize_m(const std::vector<FrameResult>& results);

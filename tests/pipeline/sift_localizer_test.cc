@@ -240,6 +240,33 @@ TEST_F(SiftLocalizerTest, FindsAnotherCameraOfAnotherSizeAndModel) {
   EXPECT_EQ(again->world_from_camera, estimate->world_from_camera);
 }
 
+TEST_F(SiftLocalizerTest, CorrectsAStatedFocalLengthThatFeaturesRefute) {
+  constexpr double kFocal_px = 330;
+  constexpr double kTooLong = 1.15;
+  const auto pinhole = [](double focal_px) {
+    return camera::Camera::Parse(absl::StrCat("PINHOLE,", focal_px, ",",
+                                              focal_px, ",199.5,149.5"),
+                                 400, 300)
+        .value();
+  };
+  const geometry::Rigid3 truth{
+      geometry::Rotation3::FromAxisAngle({0.03, 0.33, -0.06}),
+      {-0.1, 0.08, 0.05}};
+  image::Frame frame;
+  frame.color = Render(*corner_, pinhole(kFocal_px), truth);
+  frame.calibration.emplace();
+  frame.calibration->color = pinhole(kTooLong * kFocal_px);
+  const auto estimate = localizer_->Localize(frame, {});
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  ASSERT_EQ(estimate->outcome, localizer::Outcome::kLocalized);
+  // Hundreds of keypoints tell it to a few thousandths; so much of 2 away is
+  // along the line of sight.
+  EXPECT_NEAR(estimate->focal_scale * kTooLong, 1, 0.005);
+  EXPECT_LT(
+      geometry::ErrorBetween(estimate->world_from_camera, truth).translation_m,
+      kTranslationBound + 2 * 0.005);
+}
+
 TEST_F(SiftLocalizerTest, AllVectorInstructionsGiveTheSameAnswers) {
   const camera::Camera camera =
       camera::Camera::Parse("PINHOLE,280,280,159.5,119.5", 320, 240).value();

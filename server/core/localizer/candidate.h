@@ -33,6 +33,9 @@ struct Candidate {
   // Of the features that support the pose, the share that is like nothing
   // elsewhere in the scene, in [0, 1]; see CountDistinct.
   double distinct = 1;
+  // At how many places of the picture features support the pose, at most
+  // kEnoughSiftPlaces; see CountPlaces. 0: not counted.
+  int places = 0;
   // Filled if the query asks for it.
   std::vector<Correspondence> correspondences;
 

@@ -45,10 +45,11 @@ absl::Status CheckSiftModel(const forest::ModelFile& model) {
       "viewing distance");
 }
 
-// `use`, unless the options take it as stated.
-void AddFocal(const forest::ModelFile& model, FocalUse use,
-              const QueryOptions& options, Method& method) {
-  method.focal_use = options.corrects_focal ? use : FocalUse::kAsStated;
+// Corrected, unless the options take it as stated.
+void AddFocal(const forest::ModelFile& model, const QueryOptions& options,
+              Method& method) {
+  method.focal_use =
+      options.corrects_focal ? FocalUse::kCorrected : FocalUse::kAsStated;
   if (const auto& confidence = model.info().confidence) {
     method.focal_sigma_scale = confidence->focal_sigma_scale;
   }
@@ -60,7 +61,7 @@ absl::StatusOr<Method> MakeSift(const forest::ModelFile& model,
   Method method;
   method.verifier = std::make_unique<SupportVerifier>(model.info());
   // Cameras of a structure from motion are exact, each for itself.
-  AddFocal(model, FocalUse::kSoughtWhereAssumed, options, method);
+  AddFocal(model, options, method);
   method.steps.push_back({std::make_unique<SiftGenerator>(
       model.forest(), model.info().viewing_distance, options)});
   return method;
@@ -126,7 +127,7 @@ absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
   Method method;
   method.verifier = std::move(verifier);
   method.keyframes = &keyframes;
-  AddFocal(model, FocalUse::kCorrected, options, method);
+  AddFocal(model, options, method);
   if (name == "rgbd") {
     method.depth_use = DepthUse::kRequired;
     method.steps.push_back(

@@ -57,6 +57,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMaxAlignedKeyframes),
           base::RowOf(kMaxPositionSigma_m),
           base::RowOf(kMinSiftInliers),
+          base::RowOf(kSameSiftPixel),
+          base::RowOf(kEnoughSiftPlaces),
           base::RowOf(kFewMatches),
           base::RowOf(kMaxRelativePositionSigma),
           base::RowOf(kMinFocalError),

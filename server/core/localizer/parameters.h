@@ -369,7 +369,21 @@ inline constexpr base::Parameter<int> kMinSiftInliers{
     .value = 12,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
-    .why = "an answer of method sift needs so many"};
+    .why = "an answer of method sift needs them at so many places"};
+inline constexpr base::Parameter<double> kSameSiftPixel{
+    .name = "same_sift_pixel",
+    .value = 0.008,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "features less than so many longer sides of the picture apart see one "
+        "place: right or wrong, they are so together"};
+inline constexpr base::Parameter<int> kEnoughSiftPlaces{
+    .name = "enough_sift_places",
+    .value = 100,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "more are not counted: confidence is the same"};
 inline constexpr base::Parameter<int> kFewMatches{
     .name = "few_matches",
     .value = 30,

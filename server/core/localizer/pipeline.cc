@@ -310,9 +310,7 @@ Query Pipeline::Ask(const image::Frame& frame,
       (TellsLenses() && MayBeCutElsewhere(calibration.color, learnt))) {
     query.set_focal_doubtful();
   }
-  query.set_focal_open(method_.focal_use == FocalUse::kCorrected ||
-                       (method_.focal_use == FocalUse::kSoughtWhereAssumed &&
-                        frame.is_camera_assumed));
+  query.set_focal_open(method_.focal_use == FocalUse::kCorrected);
   query.set_lens_open(query.is_focal_open() && query.is_focal_doubtful() &&
                       query.depth() == nullptr && TellsLenses());
   query.set_feature_reduction(FeatureReduction(calibration.color, learnt));

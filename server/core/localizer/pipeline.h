@@ -32,9 +32,8 @@ struct Step {
 // What becomes of the focal length of a query's camera.
 enum class FocalUse {
   kAsStated,
-  // It is sought where nobody stated a camera.
-  kSoughtWhereAssumed,
-  // Where what is seen says clearly that it is wrong, too.
+  // It is sought where nobody stated a camera, and corrected where what is seen
+  // says clearly that it is wrong.
   kCorrected,
 };
 

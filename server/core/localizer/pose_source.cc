@@ -1,5 +1,8 @@
 #include "server/core/localizer/pose_source.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "server/core/localizer/parameters.h"
 
 namespace treeline::localizer {
@@ -47,6 +50,22 @@ std::vector<Correspondence> MatchesOf(
     match.point_in_camera = camera_from_world * match.point_in_world;
   }
   return correspondences;
+}
+
+int CountPlaces(const RayObservations& seen, const pose::RefinedPose& pose,
+                double apart_px, int enough) {
+  std::vector<camera::Pixel> places;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    if (static_cast<int>(places.size()) >= enough) break;
+    if (pose.supported[i] < 0) continue;
+    const camera::Pixel& pixel = seen.pixel[i];
+    const bool is_another =
+        std::ranges::all_of(places, [&](const camera::Pixel& place) {
+          return std::hypot(pixel.x - place.x, pixel.y - place.y) >= apart_px;
+        });
+    if (is_another) places.push_back(pixel);
+  }
+  return static_cast<int>(places.size());
 }
 
 std::optional<AssumedLens> LensOf(const Query& query,

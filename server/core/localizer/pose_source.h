@@ -54,6 +54,12 @@ std::vector<Correspondence> CorrespondencesOf(
 std::vector<Correspondence> MatchesOf(
     const RayObservations& seen, const std::optional<pose::RefinedPose>& pose);
 
+// At how many places of the picture features support the pose, each at least
+// `apart_px` from the others; counts no further than `enough`. Several features
+// at one place (of several sizes and angles) are right or wrong together.
+int CountPlaces(const RayObservations& seen, const pose::RefinedPose& pose,
+                double apart_px, int enough);
+
 // See Candidate::lens; nullopt where the stated camera is no guess.
 std::optional<AssumedLens> LensOf(const Query& query,
                                   const pose::RayPredictions& scene,

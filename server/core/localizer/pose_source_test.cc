@@ -167,5 +167,23 @@ TEST(CorrespondencesTest, TakeTheSupportingPredictionOrTheBest) {
             (geometry::Vec3{1, 0, 0}));
 }
 
+TEST(CountPlacesTest, FeaturesAtOnePlaceCountOnce) {
+  RayObservations seen;
+  pose::RefinedPose pose;
+  const auto add = [&](double x, double y, int8_t supported) {
+    seen.pixel.push_back({x, y});
+    seen.scene.ray.push_back({x, y});
+    pose.supported.push_back(supported);
+  };
+  add(10, 10, 0);
+  add(10, 10, 0);   // another size
+  add(13, 14, 0);   // 5 px away
+  add(50, 10, -1);  // does not support the pose
+  add(90, 10, 0);
+  EXPECT_EQ(CountPlaces(seen, pose, 5.1, 100), 2);
+  EXPECT_EQ(CountPlaces(seen, pose, 4.9, 100), 3);
+  EXPECT_EQ(CountPlaces(seen, pose, 4.9, 2), 2) << "enough";
+}
+
 }  // namespace
 }  // namespace treeline::localizer

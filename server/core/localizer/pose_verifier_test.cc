@@ -47,6 +47,7 @@ class SupportVerifierTest : public testing::Test {
     candidate.samples = samples;
     candidate.pose.emplace();
     candidate.pose->inliers = inliers;
+    candidate.places = inliers;
     candidate.pose->world_from_camera.translation = {1, 2, 3};
     candidate.pose->covariance[7] = position_sigma * position_sigma;
     forest::ModelInfo info;

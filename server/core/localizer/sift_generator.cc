@@ -157,6 +157,11 @@ absl::StatusOr<Candidate> SiftGenerator::Propose(
   candidate.reason = NotLocalizedReason::kTooFewInliers;
   candidate.is_matched = true;
   if (candidate.pose) {
+    const image::ColorImage& picture = query.color();
+    candidate.places =
+        CountPlaces(seen, *candidate.pose,
+                    kSameSiftPixel * std::max(picture.width, picture.height),
+                    kEnoughSiftPlaces);
     candidate.focal =
         pose::EstimateFocal(seen.scene, candidate.pose->world_from_camera,
                             kSiftRobustScale_px * query.pixel());

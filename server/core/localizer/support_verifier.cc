@@ -22,10 +22,10 @@ Verdict SupportVerifier::Verify(Query& query,
   // A share of few matches means little.
   verdict.evidence.inlier_ratio =
       static_cast<double>(pose.inliers) / (candidate.samples + kFewMatches);
-  verdict.evidence.matches = pose.inliers;
+  verdict.evidence.matches = candidate.places;
   verdict.confidence = confidence_.Probability(verdict.evidence);
   verdict.reason = ReasonAgainst(
-      {.has_enough_inliers = pose.inliers >= kMinSiftInliers,
+      {.has_enough_inliers = candidate.places >= kMinSiftInliers,
        .is_determined = PositionSigma_m(pose.covariance) <= MaxPositionSigma(),
        .is_confident = verdict.confidence >= MinConfidence(query.options())});
   return verdict;

@@ -38,6 +38,9 @@ constexpr size_t kFarHeldOut = 60;
 constexpr size_t kNearPeriod = kLearnt + 2 * kGap + kNearHeldOut;
 constexpr size_t kPeriod = kNearPeriod + kLearnt + 2 * kGap + kFarHeldOut;
 constexpr size_t kMinFrames = 60;
+// Of photographs, which are never that many twins: one in so many.
+constexpr size_t kPhotographPeriod = 4;
+constexpr size_t kMinPhotographs = 20;
 
 bool IsLearnt(size_t phase) {
   return phase < kLearnt ||
@@ -202,6 +205,19 @@ HeldOutSplit SplitForConfidence(std::span<const int> frames) {
     } else if (role == FrameRole::kHeldOut) {
       split.held_out.push_back(frames[i]);
     }
+  }
+  return split;
+}
+
+HeldOutSplit SplitPhotographsForConfidence(std::span<const int> frames) {
+  if (frames.size() < kMinPhotographs || frames.size() >= kMinFrames) {
+    return SplitForConfidence(frames);
+  }
+  HeldOutSplit split;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    (i % kPhotographPeriod == kPhotographPeriod - 1 ? split.held_out
+                                                    : split.train)
+        .push_back(frames[i]);
   }
   return split;
 }

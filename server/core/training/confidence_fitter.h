@@ -111,6 +111,9 @@ struct HeldOutSplit {
   std::vector<int> held_out;
 };
 HeldOutSplit SplitForConfidence(std::span<const int> frames);
+// The same of photographs, of which there are few, and which look from where
+// they look: of 20 to 59 every fourth is held out, of more see above.
+HeldOutSplit SplitPhotographsForConfidence(std::span<const int> frames);
 
 // What becomes of the i-th frame of a recording that is parted so.
 enum class FrameRole { kLearnt, kGap, kHeldOut };

@@ -153,5 +153,18 @@ TEST(ConfidenceFitterTest, BlocksHeldOutHaveNoNeighboursAmongThoseLearnt) {
   EXPECT_TRUE(small.held_out.empty());
 }
 
+TEST(ConfidenceFitterTest, OfFewPhotographsEveryFourthIsHeldOut) {
+  std::vector<int> frames(500);
+  std::iota(frames.begin(), frames.end(), 100);
+  const auto split = [&](size_t count) {
+    return SplitPhotographsForConfidence(std::span(frames).first(count));
+  };
+  EXPECT_TRUE(split(19).held_out.empty());
+  EXPECT_EQ(split(20).held_out, (std::vector<int>{103, 107, 111, 115, 119}));
+  EXPECT_EQ(split(20).train.size(), 15u);
+  EXPECT_EQ(split(60).held_out,
+            SplitForConfidence(std::span(frames).first(60)).held_out);
+}
+
 }  // namespace
 }  // namespace treeline::training

@@ -382,7 +382,8 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     return absl::FailedPreconditionError(absl::StrCat(
         dataset.uri(), ": no two of the ", report.frames,
         " frames see the same surfaces from different directions; give more "
-        "frames, or a calibration"));
+        "frames, or a calibration (--calibration nominal: the cameras as the "
+        "recording has them)"));
   }
   surfaces.Associate(nominal, options.threads);
   report.surface_rms_before_m = surfaces.Rms_m(kReportCutoff_m);

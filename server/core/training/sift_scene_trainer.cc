@@ -55,7 +55,8 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const dataset::Dataset& dataset,
   info.options = options.recorded_options;
   info.calibration = dataset.calibration();
   info.units_are_metres = dataset.units_are_metres();
-  const HeldOutSplit split = SplitForConfidence(FramesWithPoses(dataset));
+  const HeldOutSplit split =
+      SplitPhotographsForConfidence(FramesWithPoses(dataset));
   if (!split.held_out.empty()) {
     // Learn from a part and see how the rest is answered; then learn it all.
     TL_ASSIGN_OR_RETURN(

@@ -3,8 +3,11 @@
 #include <algorithm>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/tools/capture/open_capture.h"
+#include "server/tools/capture/picture_files.h"
+#include "server/tools/run_info.h"
 
 namespace treeline::tools_app {
 
@@ -106,6 +109,17 @@ bool IsPictures(const std::string& path, const std::string& format) {
   return (photographs::IsPhotographs(path) || photographs::IsVideo(path)) &&
          std::ranges::none_of(capture::CaptureFormats(),
                               [&](const auto& f) { return f.is_it(path); });
+}
+
+std::string PicturesAlone(const std::string& path) {
+  const std::string folder = capture::PhotographFolderIn(path);
+  return absl::StrCat(
+      "Pictures alone are learnt through structure from motion, which finds "
+      "poses of its own",
+      folder.empty()
+          ? std::string()
+          : absl::StrCat(":\n  treeline learn ", tools::ShellQuoted(folder)),
+      "\ndocs/how-to/learn-from-photographs.md says more");
 }
 
 photographs::PhotographOptions PhotographOptionsOf(const CaptureFlags& flags,

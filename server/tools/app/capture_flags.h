@@ -33,6 +33,9 @@ void AddCaptureFlags(CLI::App& command, CaptureFlags& flags,
 // that is known.
 bool IsPictures(const std::string& path, const std::string& format);
 
+// What to do with pictures without depth, of the capture at `path`.
+std::string PicturesAlone(const std::string& path);
+
 // How they are made a recording in `folder`.
 photographs::PhotographOptions PhotographOptionsOf(const CaptureFlags& flags,
                                                    const std::string& folder,

@@ -88,9 +88,8 @@ void PrintResult(const ImportFlags& flags, const std::string& format,
     }
   }
   if (written.with_depth == 0) {
-    std::printf(
-        "No frame has depth. `treeline train` needs depth, or structure from "
-        "motion of the pictures: docs/how-to/learn-from-photographs.md\n");
+    std::printf("No frame has depth. %s\n",
+                PicturesAlone(flags.capture).c_str());
     return;
   }
   std::printf(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
@@ -67,6 +68,10 @@ absl::StatusOr<ImportedCapture> ImportCapture(const std::string& source,
         std::move(capture), write, [&] { progress.Add(1); }, stop);
   }
   TL_RETURN_IF_ERROR(written.status());
+  if (written->with_depth == 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(source, ": no frame has depth. ", PicturesAlone(source)));
+  }
   imported.uri = "7scenes:" + folder;
   imported.train_list = folder + "/train.txt";
   imported.test_list = folder + "/test.txt";

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
@@ -186,6 +187,15 @@ class PlaceLearner {
     return absl::OkStatus();
   }
 
+  // Else those that are usual in the recording's format are taken.
+  bool StatesCameras() const {
+    return source_.kind != SourceKind::kRecording || source_.has_cameras ||
+           !all_.color_camera.empty() || method_ == "sift" ||
+           (options_.calibration != "auto" &&
+            options_.calibration != "nominal") ||
+           absl::StartsWith(all_.uri, "12scenes:");
+  }
+
   // What an import wrote has the phone's own calibration.
   absl::Status Calibrate() {
     steps_.Begin("Calibrate");
@@ -207,7 +217,8 @@ class PlaceLearner {
           training::CheckPoses(dataset, {.threads = options_.training.threads},
                                options_.quiet, stop_));
       calibration_ = dataset.calibration();
-      result = "the recording's own cameras";
+      result = StatesCameras() ? "the recording's own cameras"
+                               : "the usual cameras of such recordings";
     } else {
       training::CalibratorOptions calibrator;
       calibrator.threads = options_.training.threads;
@@ -221,6 +232,15 @@ class PlaceLearner {
           1e3 * report.surface_rms_before_m);
     }
     if (calibration_) calibration_->pose_sensor = pose_sensor;
+    if (!StatesCameras()) {
+      const std::string cameras = absl::StrCat(
+          "the recording does not say what cameras it is of; taken for the ",
+          "usual ones of its format: colour ",
+          dataset.calibration().color.ToString(),
+          ". Another camera: --color-camera, --depth-camera");
+      page_.notes.push_back(cameras);
+      absl::StrAppend(&result, "\n      note: ", cameras);
+    }
     steps_.End(result);
     return absl::OkStatus();
   }

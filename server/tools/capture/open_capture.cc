@@ -12,6 +12,7 @@
 #include "common/base/status_macros.h"
 #include "server/tools/capture/arkit_json.h"
 #include "server/tools/capture/open3d.h"
+#include "server/tools/capture/picture_files.h"
 #include "server/tools/capture/record3d.h"
 #include "server/tools/capture/replica.h"
 #include "server/tools/capture/ros_bag.h"
@@ -101,8 +102,18 @@ absl::Status NoFormat(const std::string& path) {
   for (const CaptureFormat& format : kFormats) {
     absl::StrAppend(&message, "\n  ", format.summary);
   }
-  absl::StrAppend(&message, "\n");
-  const std::string advice = Advice(path);
+  absl::StrAppend(&message,
+                  "\nnor a recording: folders seq-01, ... of 7-Scenes; "
+                  "rgb.txt of TUM; images and sparse/0 of COLMAP\n");
+  std::string advice = Advice(path);
+  const std::string photographs = PhotographFolderIn(path);
+  if (advice.empty() && !photographs.empty()) {
+    advice = absl::StrCat(
+        "Photographs are in ", photographs,
+        ". Without poses, give that folder: structure from motion finds them. "
+        "With a model of COLMAP, put it into sparse/0 beside the folder "
+        "images, or give colmap:MODEL_DIR,IMAGES_DIR");
+  }
   absl::StrAppend(&message, advice);
   if (advice.empty()) {
     absl::StrAppend(

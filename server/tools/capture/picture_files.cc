@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "common/base/folder.h"
@@ -116,6 +118,34 @@ std::string FindPicture(const std::string& path) {
     if (base::IsFile(path + ending)) return path + ending;
   }
   return "";
+}
+
+std::string PhotographFolderIn(const std::string& capture) {
+  constexpr size_t kFewest = 3;
+  const std::string top =
+      base::IsFile(capture)
+          ? std::filesystem::path(capture).parent_path().string()
+          : capture;
+  std::string best;
+  size_t most = kFewest - 1;
+  const auto look_into = [&](const std::string& folder) {
+    size_t count = 0;
+    for (const std::string& name : base::SortedNamesIn(folder)) {
+      const std::string lower = absl::AsciiStrToLower(name);
+      count += absl::EndsWith(lower, ".jpg") ||
+               absl::EndsWith(lower, ".jpeg") ||
+               absl::EndsWith(lower, ".png") || absl::EndsWith(lower, ".heic");
+    }
+    if (count > most) {
+      most = count;
+      best = folder;
+    }
+  };
+  look_into(top.empty() ? "." : top);
+  for (const std::string& name : base::SortedNamesIn(top)) {
+    look_into(absl::StrCat(top, "/", name));
+  }
+  return best;
 }
 
 bool NaturalLess(absl::string_view a, absl::string_view b) {

@@ -59,6 +59,11 @@ std::string IfFile(std::string path);
 // The first of PATH.jpg, .jpeg, .png and those in capitals that is a file.
 std::string FindPicture(const std::string& path);
 
+// The folder of most photographs (JPEG, PNG, HEIC), three or more, among
+// `capture`, or the folder that the file lies in, and the folders in it; empty:
+// there is none.
+std::string PhotographFolderIn(const std::string& capture);
+
 // Whether a comes before b, with runs of digits compared as numbers, so that
 // frame_9 comes before frame_10.
 bool NaturalLess(absl::string_view a, absl::string_view b);

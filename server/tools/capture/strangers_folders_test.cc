@@ -11,6 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/tools/capture/open_capture.h"
+#include "server/tools/capture/picture_files.h"
 #include "server/tools/capture/posed_pictures.h"
 #include "server/tools/capture/sens_file.h"
 #include "server/tools/capture/testing_datasets.h"
@@ -158,6 +159,23 @@ TEST(PosedPicturesTest, LogsNameTheirFrames) {
   EXPECT_THAT(error("0 0 1\n1 0 0 0\n"), HasSubstr("t.log:1"));
   EXPECT_THAT(error(absl::StrCat("-1 0 1\n", kPose)), HasSubstr("t.log:1"));
   EXPECT_THAT(error(absl::StrCat("0.5 0 1\n", kPose)), HasSubstr("t.log:1"));
+}
+
+TEST_F(StrangersFoldersTest, PhotographsAreFoundInTheFolderThatHasMost) {
+  for (const char* name : {"a.jpg", "b.JPEG", "c.HEIC"}) {
+    folder_.Write(absl::StrCat("walk/images/", name), "");
+    folder_.Write(absl::StrCat("walk/more/", name), "");
+  }
+  folder_.Write("walk/more/d.png", "");
+  folder_.Write("walk/few/a.jpg", "");
+  folder_.Write("walk/few/b.jpg", "");
+  folder_.Write("walk/notes.txt", "");
+  EXPECT_EQ(PhotographFolderIn(Path("walk")), Path("walk/more"));
+  EXPECT_EQ(PhotographFolderIn(Path("walk/notes.txt")), Path("walk/more"));
+  EXPECT_EQ(PhotographFolderIn(Path("walk/images")), Path("walk/images"));
+  EXPECT_EQ(PhotographFolderIn(Path("walk/few")), "");
+  EXPECT_THAT(ErrorOf("walk"), AllOf(HasSubstr("are in " + Path("walk/more")),
+                                     HasSubstr("sparse/0 of COLMAP")));
 }
 
 }  // namespace

@@ -38,6 +38,29 @@ bool IsSevenScenes(const std::string& folder) {
   return false;
 }
 
+// As COLMAP itself and programs beside it lay their models out: `sparse/0` and
+// so on of its mapper, `sparse` of its image_undistorter. The one of most
+// images, as the sizes of its files tell. Empty: there is none.
+std::string ColmapModelIn(const std::string& folder) {
+  const std::string sparse = folder + "/sparse";
+  std::vector<std::string> models = {sparse};
+  for (const std::string& name : base::SortedNamesIn(sparse)) {
+    models.push_back(absl::StrCat(sparse, "/", name));
+  }
+  std::string best;
+  uintmax_t most = 0;
+  for (const std::string& model : models) {
+    for (const char* file : {"/images.bin", "/images.txt"}) {
+      std::error_code error;
+      const uintmax_t bytes = fs::file_size(model + file, error);
+      if (error || bytes <= most) continue;
+      most = bytes;
+      best = model;
+    }
+  }
+  return best;
+}
+
 // The URI of a folder in the layout of a data set; empty: it has none.
 std::string UriOfFolder(const std::string& folder) {
   if (base::IsFile(folder + "/rgb.txt")) return "tum:" + folder;
@@ -48,11 +71,13 @@ std::string UriOfFolder(const std::string& folder) {
   if (IsFolder(folder + "/model") && IsFolder(folder + "/images")) {
     return absl::StrCat("colmap:", folder, "/model,", folder, "/images");
   }
-  // As COLMAP itself and programs beside it lay them out. Where there is
-  // transforms.json too, it says more: it may have depth.
-  if (IsFolder(folder + "/sparse/0") && IsFolder(folder + "/images") &&
+  // Where there is transforms.json too, it says more: it may have depth.
+  if (IsFolder(folder + "/images") &&
       !base::IsFile(folder + "/transforms.json")) {
-    return absl::StrCat("colmap:", folder, "/sparse/0,", folder, "/images");
+    const std::string model = ColmapModelIn(folder);
+    if (!model.empty()) {
+      return absl::StrCat("colmap:", model, ",", folder, "/images");
+    }
   }
   return IsSevenScenes(folder) ? "7scenes:" + folder : "";
 }

@@ -36,11 +36,21 @@ TEST_F(LearnSourceTest, LayoutsOfDataSetsAreKnownByTheirFolders) {
   EXPECT_EQ(Find(folder_.Path("photos")).uri,
             "colmap:" + folder_.Path("photos/model") + "," +
                 folder_.Path("photos/images"));
-  folder_.Write("splats/sparse/0/images.bin", "");
+  folder_.Write("splats/sparse/0/images.bin", "8 bytes.");
   folder_.Write("splats/images/a.jpg", "");
   EXPECT_EQ(Find(folder_.Path("splats")).uri,
             "colmap:" + folder_.Path("splats/sparse/0") + "," +
                 folder_.Path("splats/images"));
+  folder_.Write("splats/sparse/1/images.bin", "9 bytes..");
+  EXPECT_EQ(Find(folder_.Path("splats")).uri,
+            "colmap:" + folder_.Path("splats/sparse/1") + "," +
+                folder_.Path("splats/images"))
+      << "the larger model";
+  folder_.Write("undistorted/sparse/images.txt", "# none");
+  folder_.Write("undistorted/images/a.jpg", "");
+  EXPECT_EQ(Find(folder_.Path("undistorted")).uri,
+            "colmap:" + folder_.Path("undistorted/sparse") + "," +
+                folder_.Path("undistorted/images"));
   folder_.Write("splats/transforms.json", "");
   EXPECT_EQ(Find(folder_.Path("splats")).kind, SourceKind::kCapture);
   EXPECT_EQ(Find("tum:" + folder_.Path("tum")).kind, SourceKind::kRecording);
