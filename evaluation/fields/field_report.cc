@@ -25,13 +25,14 @@ double MeanTime_s(const std::vector<FieldRun>& runs) {
 
 std::string RunJson(const FieldRun& run) {
   std::string json = suites::RunHeadJson(
-      run, {"best_way_m", absl::StrFormat("%.3f", run.best_way_m)},
+      run, {"best_way_m", absl::StrFormat("%.3f", run.best_way.length_m)},
       FieldOutcomeName(run.outcome), run.IsGood());
-  absl::StrAppendFormat(
-      &json,
-      "     \"score\": %.4f, \"time_s\": %.3f, \"way_changes\": %d, "
-      "\"recoveries\": %d,\n     ",
-      run.Score(), run.time_s, run.way_changes, run.recoveries);
+  absl::StrAppendFormat(&json,
+                        "     \"best_way_of\": \"%s\", \"score\": %.4f, "
+                        "\"time_s\": %.3f, \"way_changes\": %d, "
+                        "\"recoveries\": %d,\n     ",
+                        BestWaySourceName(run.best_way.source), run.Score(),
+                        run.time_s, run.way_changes, run.recoveries);
   absl::StrAppend(&json, suites::DriveJson(run),
                   ",\n     \"steps\": ", suites::StepTimesJson(run.times), "}");
   return json;
