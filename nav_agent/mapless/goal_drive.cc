@@ -76,6 +76,7 @@ void GoalDrive::ForgetWay() {
   no_way_since_.reset();
   stands_since_.reset();
   back_off_until_.reset();
+  backs_out_ = false;
   nearest_m_ = WayField::kNoWay;
 }
 
@@ -151,7 +152,7 @@ void GoalDrive::WatchProgress(const RobotMotion& motion,
 }
 
 core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
-                                       const Surroundings& around,
+                                       Surroundings& around,
                                        base::MonotonicTime now) {
   if (back_off_until_.has_value()) {
     if (now < *back_off_until_) return rollouts_.BackOff(motion, around);
@@ -159,6 +160,10 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
     stands_since_.reset();
     rollouts_.Restart();
   }
+  backs_out_ =
+      backs_out_ &&
+      around.clearance.At(motion.map_from_base.translation) < body_.outer_m();
+  around.backs_out = backs_out_;
   const std::optional<core::VelocityCommand> best =
       has_way_ ? rollouts_.Best(motion, around, way_, timed_way_)
                : std::nullopt;
@@ -170,6 +175,7 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
     stands_since_ = now;
   } else if (has_way_ && base::SecondsBetween(*stands_since_, now) > kStuck_s) {
     back_off_until_ = After(now, kBackOff_s);
+    backs_out_ = true;
     ++status_->recoveries;
     events_.Add("recovery", "stuck: it backs off");
   }
@@ -223,7 +229,7 @@ core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
   }
   last_position_ = position;
   const RobotMotion motion = MotionAhead(pose, command, now);
-  const Surroundings around = AroundAt(pose, map, movers, now);
+  Surroundings around = AroundAt(pose, map, movers, now);
   if (Arrives(motion, now)) {
     const double off_rad = geometry::NormalizedAngle_rad(
         Target().yaw_rad - motion.map_from_base.yaw_rad);
