@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/json_text.h"
 #include "evaluation/suites/suite_report.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::fields {
 namespace {
@@ -49,14 +50,26 @@ double MeanScore(const std::vector<FieldRun>& runs) {
 std::string FieldSummary(const std::vector<FieldRun>& runs, int expected) {
   suites::StepTimes times;
   std::string text;
+  int straight = 0;
   for (const FieldRun& run : runs) {
     times.Add(run.times);
+    if (worlds::IsGazeboWorld(run.world) &&
+        run.best_way.source == BestWaySource::kStraightLine) {
+      ++straight;
+    }
     if (run.IsGood()) continue;
     absl::StrAppendFormat(&text,
                           "  %s, seed %d: %s after %.1f s, %.1f m from "
                           "the goal; %s\n",
                           run.world, run.seed, FieldOutcomeName(run.outcome),
                           run.time_s, run.goal_off_m, run.why);
+  }
+  if (straight > 0) {
+    absl::StrAppendFormat(
+        &text,
+        "No path file (path_files/path_N.npy) lies beside %d of the fields: "
+        "their best way is taken as straight, which scores lower\n",
+        straight);
   }
   return absl::StrFormat(
       "%d of %d fields reached, %d touched, %d struck, %d timeouts, %d failed; "

@@ -23,6 +23,9 @@ constexpr double kBegun_m = 0.1;
 constexpr double kNeverBegun_s = 30;
 // Of what moves, pictures show the way of the last seconds.
 constexpr double kShownBefore_s = 2;
+// Of worlds of Gazebo, which are mostly empty ground, they show what is so
+// near.
+constexpr double kShownAround_m = 6;
 
 absl::StatusOr<geometry::Rigid2> PlaceOf(const worlds::World& world,
                                          const std::string& name) {
@@ -185,6 +188,9 @@ class FieldDrive {
     run_.way_changes = goal.replans;
     run_.recoveries = goal.recoveries;
     run_.marks.goal = goal_;
+    if (worlds::IsGazeboWorld(options.world)) {
+      run_.marks.within_m = kShownAround_m;
+    }
     const behavior::NavigatorSnapshot snapshot = navigator_->Snapshot();
     for (const core::LevelPose& pose : snapshot.path) {
       const geometry::Vec2 at = start_ * pose.map_from_base.translation;

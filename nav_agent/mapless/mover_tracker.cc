@@ -22,6 +22,9 @@ constexpr double kLargestRadius_m = 0.9;
 // than the line between those so far on either side of it.
 constexpr double kDentReach_m = 0.15;
 constexpr double kDent_m = 0.04;
+// Narrower ones of those are no things of their own: clutter has many dents,
+// and another at each step.
+constexpr double kLeastPart_m = 0.3;
 // A circle fits if its points are so near to it.
 constexpr double kCircle_m = 0.03;
 // A thing is taken for the one that was expected within this.
@@ -136,6 +139,7 @@ std::optional<MoverTracker::Thing> MoverTracker::ThingOf(
   if (off_m < kCircle_m && radius_m < kLargestRadius_m && bulges) {
     thing.center = *center;
     thing.radius_m = radius_m;
+    thing.is_round = true;
   }
   return thing;
 }
@@ -143,6 +147,7 @@ std::optional<MoverTracker::Thing> MoverTracker::ThingOf(
 void MoverTracker::AddThings(std::span<const GridBeam> beams, size_t first,
                              size_t count, const EvidenceGrid& map,
                              std::vector<Thing>& things) {
+  const size_t known = things.size();
   // Parts that are still to be looked at, the last one first.
   std::vector<std::pair<size_t, size_t>> parts = {{first, count}};
   while (!parts.empty()) {
@@ -152,9 +157,19 @@ void MoverTracker::AddThings(std::span<const GridBeam> beams, size_t first,
     if (dent.has_value() && *dent > 0) {
       parts.emplace_back(at + *dent, beams_of_it - *dent);
       parts.emplace_back(at, *dent);
-    } else if (const auto thing = ThingOf(beams, at, beams_of_it, map)) {
+      continue;
+    }
+    if (beams_of_it == count) break;
+    const auto thing = ThingOf(beams, at, beams_of_it, map);
+    if (thing.has_value() && thing->is_round &&
+        geometry::Norm(beams[at + beams_of_it - 1].to - beams[at].to) >
+            kLeastPart_m) {
       things.push_back(*thing);
     }
+  }
+  if (things.size() > known) return;
+  if (const auto thing = ThingOf(beams, first, count, map)) {
+    things.push_back(*thing);
   }
 }
 

@@ -51,6 +51,8 @@ class MoverTracker {
     size_t count = 0;
     geometry::Vec2 center;
     double radius_m = 0;
+    // A circle through its points fits them.
+    bool is_round = false;
     // Of its points, those where something has stood for long, and where
     // nothing was.
     double old_share = 0;
@@ -72,7 +74,8 @@ class MoverTracker {
 
   static std::vector<Thing> ThingsIn(std::span<const GridBeam> beams,
                                      const EvidenceGrid& map);
-  // Of beams that end beside each other: one, or more that touch.
+  // Of beams that end beside each other: those that touch and are round and
+  // wide, or else all of it as one.
   static void AddThings(std::span<const GridBeam> beams, size_t first,
                         size_t count, const EvidenceGrid& map,
                         std::vector<Thing>& things);

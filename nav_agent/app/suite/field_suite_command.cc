@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
@@ -156,7 +157,10 @@ absl::Status RunFields(const FieldFlags& flags, const std::stop_token& stop) {
             one.world = jobs[i].world;
             one.seed = jobs[i].seed;
             absl::StatusOr<fields::FieldRun> run = fields::RunField(one, stop);
-            if (run.ok()) return run;
+            if (run.ok() ||
+                absl::StrContains(run.status().message(), one.world)) {
+              return run;
+            }
             return base::Annotate(run.status(), one.world);
           });
   const int expected = static_cast<int>(jobs.size());
