@@ -160,9 +160,10 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
     stands_since_.reset();
     rollouts_.Restart();
   }
-  backs_out_ =
-      backs_out_ &&
-      around.clearance.At(motion.map_from_base.translation) < body_.outer_m();
+  const geometry::Vec2 ahead =
+      motion.map_from_base * geometry::Vec2{kAhead_m.value, 0};
+  backs_out_ = backs_out_ && has_way_ &&
+               way_.ToGo(ahead) > way_.ToGo(motion.map_from_base.translation);
   around.backs_out = backs_out_;
   const std::optional<core::VelocityCommand> best =
       has_way_ ? rollouts_.Best(motion, around, way_, timed_way_)

@@ -86,8 +86,8 @@ class GoalDrive {
   // Since when it stands on its way.
   std::optional<base::MonotonicTime> stands_since_;
   std::optional<base::MonotonicTime> back_off_until_;
-  // After it was stuck, until it has room to turn: what leads behind it is
-  // driven backwards.
+  // After it was stuck, as long as its way leads behind it: that is driven
+  // backwards.
   bool backs_out_ = false;
   std::optional<geometry::Vec2> last_position_;
   double nearest_m_ = 0;
