@@ -76,7 +76,6 @@ void GoalDrive::ForgetWay() {
   no_way_since_.reset();
   stands_since_.reset();
   back_off_until_.reset();
-  backs_out_ = false;
   nearest_m_ = WayField::kNoWay;
 }
 
@@ -152,7 +151,7 @@ void GoalDrive::WatchProgress(const RobotMotion& motion,
 }
 
 core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
-                                       Surroundings& around,
+                                       const Surroundings& around,
                                        base::MonotonicTime now) {
   if (back_off_until_.has_value()) {
     if (now < *back_off_until_) return rollouts_.BackOff(motion, around);
@@ -160,11 +159,6 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
     stands_since_.reset();
     rollouts_.Restart();
   }
-  const geometry::Vec2 ahead =
-      motion.map_from_base * geometry::Vec2{kAhead_m.value, 0};
-  backs_out_ = backs_out_ && has_way_ &&
-               way_.ToGo(ahead) > way_.ToGo(motion.map_from_base.translation);
-  around.backs_out = backs_out_;
   const std::optional<core::VelocityCommand> best =
       has_way_ ? rollouts_.Best(motion, around, way_, timed_way_)
                : std::nullopt;
@@ -176,7 +170,6 @@ core::VelocityCommand GoalDrive::Drive(const RobotMotion& motion,
     stands_since_ = now;
   } else if (has_way_ && base::SecondsBetween(*stands_since_, now) > kStuck_s) {
     back_off_until_ = After(now, kBackOff_s);
-    backs_out_ = true;
     ++status_->recoveries;
     events_.Add("recovery", "stuck: it backs off");
   }
@@ -230,7 +223,7 @@ core::VelocityCommand GoalDrive::Step(const ReckonedPose& pose,
   }
   last_position_ = position;
   const RobotMotion motion = MotionAhead(pose, command, now);
-  Surroundings around = AroundAt(pose, map, movers, now);
+  const Surroundings around = AroundAt(pose, map, movers, now);
   if (Arrives(motion, now)) {
     const double off_rad = geometry::NormalizedAngle_rad(
         Target().yaw_rad - motion.map_from_base.yaw_rad);

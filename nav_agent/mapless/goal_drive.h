@@ -63,7 +63,8 @@ class GoalDrive {
   bool Arrives(const RobotMotion& motion, base::MonotonicTime now);
   void Plan(const RobotMotion& motion, EvidenceGrid& map,
             base::MonotonicTime now);
-  core::VelocityCommand Drive(const RobotMotion& motion, Surroundings& around,
+  core::VelocityCommand Drive(const RobotMotion& motion,
+                              const Surroundings& around,
                               base::MonotonicTime now);
   void WatchProgress(const RobotMotion& motion, base::MonotonicTime now);
 
@@ -86,9 +87,6 @@ class GoalDrive {
   // Since when it stands on its way.
   std::optional<base::MonotonicTime> stands_since_;
   std::optional<base::MonotonicTime> back_off_until_;
-  // After it was stuck, as long as its way leads behind it: that is driven
-  // backwards.
-  bool backs_out_ = false;
   std::optional<geometry::Vec2> last_position_;
   double nearest_m_ = 0;
   base::MonotonicTime nearest_since_;

@@ -132,24 +132,6 @@ TEST_F(MaplessNavigatorTest, DrivesToAGoalAndTurnsThere) {
   EXPECT_EQ(navigator_->mode(), behavior::NavigatorMode::kIdle);
 }
 
-TEST_F(MaplessNavigatorTest, BacksOutOfAPocketInWhichItCannotTurn) {
-  // 0.52 m wide between posts, and closed before it; the robot is 0.64 m from
-  // corner to corner.
-  for (int i = 0; i <= 17; ++i) {
-    for (const double y : {-0.36, 0.36}) posts_.push_back({0.1 * i + 1, y});
-  }
-  for (const double y : {-0.18, 0.0, 0.18}) posts_.push_back({2.7, y});
-  Make();
-  SetGoal({2.2, 0});
-  Step(400);
-  ASSERT_EQ(navigator_->goal()->state, behavior::GoalState::kSucceeded);
-  SetGoal({5, 0});
-  Step(1200);
-  const behavior::GoalStatus goal = *navigator_->goal();
-  EXPECT_EQ(goal.state, behavior::GoalState::kSucceeded) << goal.why;
-  EXPECT_FALSE(touched_);
-}
-
 TEST_F(MaplessNavigatorTest, GoesAroundWhatItSees) {
   for (int i = -4; i <= 4; ++i) posts_.push_back({2, 0.2 * i});
   Make();

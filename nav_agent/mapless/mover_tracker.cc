@@ -22,8 +22,8 @@ constexpr double kLargestRadius_m = 0.9;
 // than the line between those so far on either side of it.
 constexpr double kDentReach_m = 0.15;
 constexpr double kDent_m = 0.04;
-// Narrower ones of those are no things of their own: clutter has many dents,
-// and another at each step.
+// Narrower ones of those are no things of their own, nor is what may not move:
+// clutter has many dents, and others at each step.
 constexpr double kLeastPart_m = 0.3;
 // A circle fits if its points are so near to it.
 constexpr double kCircle_m = 0.03;
@@ -161,7 +161,8 @@ void MoverTracker::AddThings(std::span<const GridBeam> beams, size_t first,
     }
     if (beams_of_it == count) break;
     const auto thing = ThingOf(beams, at, beams_of_it, map);
-    if (thing.has_value() && thing->is_round &&
+    if (thing.has_value() && thing->is_round && thing->old_share < kMostOld &&
+        thing->new_share > kLeastNew &&
         geometry::Norm(beams[at + beams_of_it - 1].to - beams[at].to) >
             kLeastPart_m) {
       things.push_back(*thing);
@@ -242,9 +243,11 @@ void MoverTracker::Follow(Track& track, const Thing& thing,
 void MoverTracker::Add(base::MonotonicTime stamp, std::span<GridBeam> beams,
                        EvidenceGrid& map) {
   const std::vector<Thing> things = ThingsIn(beams, map);
-  // The nearest two belong to each other, then the nearest of the others: what
-  // passes before another does not take its track.
+  // Of what moves the nearest two belong to each other, then the nearest of the
+  // others: what passes before another does not take its track. Then come those
+  // that stand, one after the other.
   struct Pair {
+    size_t turn;
     double apart_m;
     size_t track;
     size_t thing;
@@ -257,10 +260,13 @@ void MoverTracker::Add(base::MonotonicTime stamp, std::span<GridBeam> beams,
         base::SecondsBetween(track.stamp, stamp) * track.velocity_mps;
     for (size_t j = 0; j < things.size(); ++j) {
       const double apart_m = geometry::Norm(things[j].center - expected);
-      if (apart_m <= kReach_m) pairs.push_back({apart_m, i, j});
+      if (apart_m <= kReach_m)
+        pairs.push_back({track.moves ? 0 : 1 + i, apart_m, i, j});
     }
   }
-  std::ranges::stable_sort(pairs, {}, &Pair::apart_m);
+  std::ranges::stable_sort(pairs, {}, [](const Pair& pair) {
+    return std::pair(pair.turn, pair.apart_m);
+  });
   std::vector<bool> is_followed(tracks_.size(), false);
   std::vector<bool> is_known(things.size(), false);
   for (const Pair& pair : pairs) {

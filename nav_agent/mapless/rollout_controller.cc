@@ -163,8 +163,6 @@ std::optional<core::VelocityCommand> RolloutController::Best(
     for (const double share : kBackwardShares) {
       speeds_mps.push_back(-share * robot_.max_backward_mps);
     }
-  } else if (around.backs_out) {
-    speeds_mps.push_back(-std::min(kBackOff_mps, robot_.max_backward_mps));
   }
   for (const double speed_mps : speeds_mps) {
     for (const double curve : kCurves) {

@@ -29,8 +29,6 @@ struct RobotMotion {
 struct Surroundings {
   ClearanceWindow clearance;
   std::vector<Mover> movers = {};
-  // The way may be driven backwards, slowly.
-  bool backs_out = false;
 };
 
 // Each rollout is a speed and a curve, and another curve after kFirstPart_s,

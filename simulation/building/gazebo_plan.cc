@@ -21,6 +21,9 @@ constexpr double kFlat_m = 0.02;
 constexpr double kHovers_m = 0.1;
 // Higher ones are as high as this.
 constexpr double kHighest_m = 19;
+// Of the hall, and between things and its ceiling.
+constexpr double kLeastHeight_m = 3;
+constexpr double kAbove_m = 0.5;
 // Between everything and the hall's walls: what lasers do not see.
 constexpr double kBeyondLasers_m = 31;
 constexpr double kLeastMargin_m = 2;
@@ -191,11 +194,16 @@ absl::StatusOr<BuildingPlan> GazeboPlan(const std::vector<GazeboSolid>& solids,
                       InTheWay(solids, name));
   TL_ASSIGN_OR_RETURN(const Hall hall, HallAround(things, name));
   BuildingPlan plan;
-  plan.size_m = {hall.width_m, hall.depth_m, kHighest_m + 1};
+  // Maps of the whole of it are made: no higher than need be.
+  double height_m = kLeastHeight_m;
+  for (const GazeboSolid& solid : things) {
+    height_m = std::max(height_m, Height_m(solid) + kAbove_m);
+  }
+  plan.size_m = {hall.width_m, hall.depth_m, height_m};
   PlanRoom room;
   room.name = "ground";
   room.area = {0, 0, hall.width_m, hall.depth_m};
-  room.height_m = kHighest_m + 1;
+  room.height_m = height_m;
   room.floor = "concrete";
   room.walls.fill("white");
   plan.rooms.push_back(room);
