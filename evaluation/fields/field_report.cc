@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/json_text.h"
 #include "evaluation/suites/suite_report.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::fields {
 namespace {
@@ -25,13 +26,14 @@ double MeanTime_s(const std::vector<FieldRun>& runs) {
 
 std::string RunJson(const FieldRun& run) {
   std::string json = suites::RunHeadJson(
-      run, {"best_way_m", absl::StrFormat("%.3f", run.best_way_m)},
+      run, {"best_way_m", absl::StrFormat("%.3f", run.best_way.length_m)},
       FieldOutcomeName(run.outcome), run.IsGood());
-  absl::StrAppendFormat(
-      &json,
-      "     \"score\": %.4f, \"time_s\": %.3f, \"way_changes\": %d, "
-      "\"recoveries\": %d,\n     ",
-      run.Score(), run.time_s, run.way_changes, run.recoveries);
+  absl::StrAppendFormat(&json,
+                        "     \"best_way_of\": \"%s\", \"score\": %.4f, "
+                        "\"time_s\": %.3f, \"way_changes\": %d, "
+                        "\"recoveries\": %d,\n     ",
+                        BestWaySourceName(run.best_way.source), run.Score(),
+                        run.time_s, run.way_changes, run.recoveries);
   absl::StrAppend(&json, suites::DriveJson(run),
                   ",\n     \"steps\": ", suites::StepTimesJson(run.times), "}");
   return json;
@@ -48,14 +50,26 @@ double MeanScore(const std::vector<FieldRun>& runs) {
 std::string FieldSummary(const std::vector<FieldRun>& runs, int expected) {
   suites::StepTimes times;
   std::string text;
+  int straight = 0;
   for (const FieldRun& run : runs) {
     times.Add(run.times);
+    if (worlds::IsGazeboWorld(run.world) &&
+        run.best_way.source == BestWaySource::kStraightLine) {
+      ++straight;
+    }
     if (run.IsGood()) continue;
     absl::StrAppendFormat(&text,
                           "  %s, seed %d: %s after %.1f s, %.1f m from "
                           "the goal; %s\n",
                           run.world, run.seed, FieldOutcomeName(run.outcome),
                           run.time_s, run.goal_off_m, run.why);
+  }
+  if (straight > 0) {
+    absl::StrAppendFormat(
+        &text,
+        "No path file (path_files/path_N.npy) lies beside %d of the fields: "
+        "their best way is taken as straight, which scores lower\n",
+        straight);
   }
   return absl::StrFormat(
       "%d of %d fields reached, %d touched, %d struck, %d timeouts, %d failed; "

@@ -6,13 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/planar_pose.h"
-#include "simulation/building/cylinder_field.h"
+#include "simulation/building/gazebo_plan.h"
 #include "simulation/worlds/world.h"
 
 namespace treeline::fields {
@@ -22,9 +20,12 @@ constexpr int kWarmUpSteps = 8;
 // The clock starts when it has moved so far.
 constexpr double kBegun_m = 0.1;
 // A robot that does not even set off.
+constexpr double kNeverBegun_s = 30;
 // Of what moves, pictures show the way of the last seconds.
 constexpr double kShownBefore_s = 2;
-constexpr double kNeverBegun_s = 30;
+// Of worlds of Gazebo, which are mostly empty ground, they show what is so
+// near.
+constexpr double kShownAround_m = 6;
 
 absl::StatusOr<geometry::Rigid2> PlaceOf(const worlds::World& world,
                                          const std::string& name) {
@@ -39,6 +40,49 @@ absl::StatusOr<geometry::Rigid2> PlaceOf(const worlds::World& world,
       absl::StrCat("the world '", world.name, "' has no place '", name, "'"));
 }
 
+// Both in the simulator's frame.
+struct Ends {
+  geometry::Rigid2 start;
+  geometry::Rigid2 goal;
+  BestWay best_way;
+};
+
+absl::StatusOr<Ends> EndsOf(const worlds::World& world,
+                            const FieldOptions& options) {
+  Ends ends;
+  const bool is_gazebo = worlds::IsGazeboWorld(options.world);
+  if (!is_gazebo && !options.ends.has_value()) {
+    TL_ASSIGN_OR_RETURN(ends.start, PlaceOf(world, "start"));
+    TL_ASSIGN_OR_RETURN(ends.goal, PlaceOf(world, "goal"));
+    TL_ASSIGN_OR_RETURN(ends.best_way,
+                        FindBestWay(options.world, ends.start.translation,
+                                    ends.goal.translation));
+    return ends;
+  }
+  const FieldEnds given = options.ends.value_or(kBarnEnds);
+  TL_ASSIGN_OR_RETURN(
+      ends.best_way,
+      FindBestWay(options.world, given.start.translation, given.goal));
+  geometry::Rigid2 world_from_file;
+  if (is_gazebo) {
+    TL_ASSIGN_OR_RETURN(world_from_file,
+                        PlaceOf(world, std::string(building::kGazeboOrigin)));
+  }
+  ends.start = world_from_file * given.start;
+  ends.goal = {.translation = world_from_file * given.goal,
+               .yaw_rad = ends.start.yaw_rad};
+  for (const geometry::Vec2 end :
+       {ends.start.translation, ends.goal.translation}) {
+    if (!(end.x >= 0 && end.y >= 0 &&
+          end.x <= static_cast<double>(world.size_m.x) &&
+          end.y <= static_cast<double>(world.size_m.y))) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "start or goal is outside of the world '", world.name, "'"));
+    }
+  }
+  return ends;
+}
+
 // One run, as it goes on.
 class FieldDrive {
  public:
@@ -50,9 +94,11 @@ class FieldDrive {
         worlds::MakeWorld(options.world, {.with_people = options.with_movers,
                                           .threads = 1,
                                           .paint = false}));
-    TL_ASSIGN_OR_RETURN(const geometry::Rigid2 start, PlaceOf(world, "start"));
-    TL_ASSIGN_OR_RETURN(drive->goal_, PlaceOf(world, "goal"));
+    TL_ASSIGN_OR_RETURN(const Ends ends, EndsOf(world, options));
+    const geometry::Rigid2 start = ends.start;
     drive->start_ = start;
+    drive->goal_ = ends.goal;
+    drive->run_.best_way = ends.best_way;
     simulator::SimulatorOptions simulation;
     simulation.robot = options.robot.model;
     simulation.seed = options.seed;
@@ -142,6 +188,9 @@ class FieldDrive {
     run_.way_changes = goal.replans;
     run_.recoveries = goal.recoveries;
     run_.marks.goal = goal_;
+    if (worlds::IsGazeboWorld(options.world)) {
+      run_.marks.within_m = kShownAround_m;
+    }
     const behavior::NavigatorSnapshot snapshot = navigator_->Snapshot();
     for (const core::LevelPose& pose : snapshot.path) {
       const geometry::Vec2 at = start_ * pose.map_from_base.translation;
@@ -154,13 +203,6 @@ class FieldDrive {
         geometry::PlanarPose(run_.record.final_state.world_from_base);
     run_.marks.movers = runs::WaysOfMovers(
         simulator_->world(), run_.record.simulated_s, kShownBefore_s);
-    run_.best_way_m = geometry::Norm(goal_.translation - start_.translation);
-    absl::string_view rest = options.world;
-    uint64_t field = 0;
-    if (absl::ConsumePrefix(&rest, "field:") &&
-        absl::SimpleAtoi(rest, &field)) {
-      run_.best_way_m = building::BestWay_m(building::DrawField(field));
-    }
     return std::move(run_);
   }
 
@@ -193,7 +235,7 @@ const char* FieldOutcomeName(FieldOutcome outcome) {
 
 double FieldRun::Score() const {
   if (!IsGood()) return 0;
-  const double optimal_s = best_way_m / kOptimal_mps;
+  const double optimal_s = best_way.length_m / kOptimal_mps;
   return optimal_s / std::clamp(time_s, 2 * optimal_s, 8 * optimal_s);
 }
 

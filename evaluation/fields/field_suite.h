@@ -5,10 +5,13 @@
 #define EVALUATION_FIELDS_FIELD_SUITE_H_
 
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "common/geometry/rigid2.h"
+#include "evaluation/fields/best_way.h"
 #include "evaluation/suites/suite_run.h"
 #include "nav_agent/core/robot_file.h"
 #include "nav_agent/mapless/mapless_navigator.h"
@@ -30,10 +33,22 @@ enum class FieldOutcome : uint8_t {
 };
 const char* FieldOutcomeName(FieldOutcome outcome);
 
+// In the frame of the world's file; of a world of Gazebo, in Gazebo's.
+struct FieldEnds {
+  geometry::Rigid2 start;
+  geometry::Vec2 goal;
+};
+
+// The challenge's, in Gazebo's world: INIT_POSITION and GOAL_POSITION of its
+// run.py.
+inline constexpr FieldEnds kBarnEnds = {
+    .start = {.translation = {-2.25, 3}, .yaw_rad = 1.57}, .goal = {-2.25, 13}};
+
 struct FieldOptions {
-  // "field:N", "moving-field:N", or a world file with places "start" and
-  // "goal".
+  // "field:N", "moving-field:N", or a file.
   std::string world;
+  // nullopt: the places "start" and "goal"; of a world of Gazebo, kBarnEnds.
+  std::optional<FieldEnds> ends{};
   // What moves there moves; false: it is left out.
   bool with_movers = false;
   // Of the sensors' and the wheels' noise.
@@ -44,8 +59,7 @@ struct FieldOptions {
 
 struct FieldRun : suites::SuiteRun {
   FieldOutcome outcome = FieldOutcome::kFailed;
-  // The best way (BestWay_m; of a world file, the straight line).
-  double best_way_m = 0;
+  BestWay best_way;
   // From its first 0.1 m to the end.
   double time_s = 0;
   // The least distance that the body had from its way's end.
@@ -60,7 +74,8 @@ struct FieldRun : suites::SuiteRun {
 };
 
 // Deterministic by options, times apart. CANCELLED if `stop` is requested;
-// NOT_FOUND: a world file without the two places.
+// NOT_FOUND: a world file without the two places; INVALID_ARGUMENT: ends that
+// are not within the world.
 absl::StatusOr<FieldRun> RunField(const FieldOptions& options,
                                   const std::stop_token& stop);
 

@@ -28,7 +28,7 @@ TEST(FieldSuite, AJackalGetsThroughFieldsThatItKnowsNothingOf) {
     EXPECT_EQ(run.collisions_of_robot, 0) << world;
     EXPECT_GT(run.Score(), 0.3) << world;
     EXPECT_LE(run.Score(), 0.5) << world;
-    EXPECT_GE(run.best_way_m, 10) << world;
+    EXPECT_GE(run.best_way.length_m, 10) << world;
   }
 }
 
@@ -38,7 +38,7 @@ TEST(FieldSuite, AJackalCrossesFieldsThatMove) {
     const FieldRun run = DriveThrough(world, 1);
     EXPECT_EQ(run.outcome, FieldOutcome::kReached) << world << ": " << run.why;
     EXPECT_EQ(run.collisions, 0) << world;
-    EXPECT_DOUBLE_EQ(run.best_way_m, 20) << world;
+    EXPECT_DOUBLE_EQ(run.best_way.length_m, 20) << world;
   }
 }
 
@@ -52,7 +52,7 @@ TEST(FieldSuite, ARunIsAFunctionOfItsSeed) {
 TEST(FieldSuite, ScoresAsTheChallengeDoes) {
   FieldRun run;
   run.outcome = FieldOutcome::kReached;
-  run.best_way_m = 10;
+  run.best_way.length_m = 10;
   run.time_s = 7;  // below twice the optimal 5 s
   EXPECT_DOUBLE_EQ(run.Score(), 0.5);
   run.time_s = 20;

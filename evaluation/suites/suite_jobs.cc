@@ -46,9 +46,9 @@ absl::Status SuiteStatus(size_t done, size_t expected, double good_share,
                          const absl::Status& first_error,
                          const std::stop_token& stop) {
   if (errors > 0) {
-    return base::Annotate(first_error,
-                          absl::StrCat(errors, " of ", expected,
-                                       " could not be run; the first: "));
+    return base::Annotate(
+        first_error,
+        absl::StrCat(errors, " of ", expected, " could not be run; the first"));
   }
   if (stop.stop_requested() || done < expected) {
     return absl::CancelledError(absl::StrCat(

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "nav_agent/mapless/parameters.h"
 
@@ -18,6 +18,13 @@ constexpr double kGapOfRange = 0.03;
 constexpr size_t kLeastBeams = 4;
 constexpr double kWidest_m = 1.8;
 constexpr double kLargestRadius_m = 0.9;
+// Two things that touch make a dent: an end of a beam lies so much further off
+// than the line between those so far on either side of it.
+constexpr double kDentReach_m = 0.15;
+constexpr double kDent_m = 0.04;
+// Narrower ones of those are no things of their own, nor is what may not move:
+// clutter has many dents, and others at each step.
+constexpr double kLeastPart_m = 0.3;
 // A circle fits if its points are so near to it.
 constexpr double kCircle_m = 0.03;
 // A thing is taken for the one that was expected within this.
@@ -34,6 +41,40 @@ constexpr double kLeastNew = 0.2;
 // Its middle is this far from the line at most.
 constexpr double kOffLine_m = 0.08;
 constexpr double kErased_m = 0.1;
+
+// How much further from where it was seen than the line from `a` to `b`.
+double Behind_m(const GridBeam& beam, geometry::Vec2 a, geometry::Vec2 b) {
+  const geometry::Vec2 along = b - a;
+  const double length_m = geometry::Norm(along);
+  if (length_m < 1e-9) return 0;
+  const double side = geometry::Cross(along, beam.to - a) / length_m;
+  return geometry::Cross(along, beam.from - a) > 0 ? -side : side;
+}
+
+// Where the deepest dent is: the index of the first beam behind it; nullopt:
+// there is none.
+std::optional<size_t> DeepestDent(std::span<const GridBeam> beams) {
+  std::optional<size_t> deepest;
+  double depth_m = kDent_m;
+  size_t before = 0;
+  size_t behind = 0;
+  const auto is_near = [&](size_t i, size_t j) {
+    return geometry::Norm(beams[j].to - beams[i].to) < kDentReach_m;
+  };
+  for (size_t i = 0; i < beams.size(); ++i) {
+    while (before + 1 < i && !is_near(i, before + 1)) ++before;
+    behind = std::max(behind, i);
+    while (behind + 1 < beams.size() && is_near(i, behind)) ++behind;
+    if (is_near(i, before) || is_near(i, behind)) continue;
+    const double this_m =
+        Behind_m(beams[i], beams[before].to, beams[behind].to);
+    if (this_m > depth_m) {
+      depth_m = this_m;
+      deepest = i;
+    }
+  }
+  return deepest;
+}
 
 // The middle of the circle through the points (Kasa's least squares), from
 // their mean; nullopt: they lie on a line.
@@ -98,8 +139,39 @@ std::optional<MoverTracker::Thing> MoverTracker::ThingOf(
   if (off_m < kCircle_m && radius_m < kLargestRadius_m && bulges) {
     thing.center = *center;
     thing.radius_m = radius_m;
+    thing.is_round = true;
   }
   return thing;
+}
+
+void MoverTracker::AddThings(std::span<const GridBeam> beams, size_t first,
+                             size_t count, const EvidenceGrid& map,
+                             std::vector<Thing>& things) {
+  const size_t known = things.size();
+  // Parts that are still to be looked at, the last one first.
+  std::vector<std::pair<size_t, size_t>> parts = {{first, count}};
+  while (!parts.empty()) {
+    const auto [at, beams_of_it] = parts.back();
+    parts.pop_back();
+    const auto dent = DeepestDent(beams.subspan(at, beams_of_it));
+    if (dent.has_value() && *dent > 0) {
+      parts.emplace_back(at + *dent, beams_of_it - *dent);
+      parts.emplace_back(at, *dent);
+      continue;
+    }
+    if (beams_of_it == count) break;
+    const auto thing = ThingOf(beams, at, beams_of_it, map);
+    if (thing.has_value() && thing->is_round && thing->old_share < kMostOld &&
+        thing->new_share > kLeastNew &&
+        geometry::Norm(beams[at + beams_of_it - 1].to - beams[at].to) >
+            kLeastPart_m) {
+      things.push_back(*thing);
+    }
+  }
+  if (things.size() > known) return;
+  if (const auto thing = ThingOf(beams, first, count, map)) {
+    things.push_back(*thing);
+  }
 }
 
 std::vector<MoverTracker::Thing> MoverTracker::ThingsIn(
@@ -114,9 +186,7 @@ std::vector<MoverTracker::Thing> MoverTracker::ThingsIn(
         continue;
       }
     }
-    if (const auto thing = ThingOf(beams, first, i - first, map)) {
-      things.push_back(*thing);
-    }
+    AddThings(beams, first, i - first, map, things);
     first = i;
   }
   return things;
@@ -172,32 +242,52 @@ void MoverTracker::Follow(Track& track, const Thing& thing,
 
 void MoverTracker::Add(base::MonotonicTime stamp, std::span<GridBeam> beams,
                        EvidenceGrid& map) {
-  std::vector<Thing> things = ThingsIn(beams, map);
-  for (Track& track : tracks_) {
+  const std::vector<Thing> things = ThingsIn(beams, map);
+  // Of what moves the nearest two belong to each other, then the nearest of the
+  // others: what passes before another does not take its track. Then come those
+  // that stand, one after the other.
+  struct Pair {
+    size_t turn;
+    double apart_m;
+    size_t track;
+    size_t thing;
+  };
+  std::vector<Pair> pairs;
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    const Track& track = tracks_[i];
     const geometry::Vec2 expected =
         track.in_map +
         base::SecondsBetween(track.stamp, stamp) * track.velocity_mps;
-    const auto nearest =
-        std::ranges::min_element(things, {}, [&](const Thing& thing) {
-          return geometry::Norm(thing.center - expected);
-        });
-    if (nearest == things.end() ||
-        geometry::Norm(nearest->center - expected) > kReach_m) {
-      continue;
+    for (size_t j = 0; j < things.size(); ++j) {
+      const double apart_m = geometry::Norm(things[j].center - expected);
+      if (apart_m <= kReach_m)
+        pairs.push_back({track.moves ? 0 : 1 + i, apart_m, i, j});
     }
-    Follow(track, *nearest, stamp, map);
-    if (track.moves) {
-      for (GridBeam& beam : beams.subspan(nearest->first, nearest->count)) {
-        beam.is_on_mover = true;
-      }
+  }
+  std::ranges::stable_sort(pairs, {}, [](const Pair& pair) {
+    return std::pair(pair.turn, pair.apart_m);
+  });
+  std::vector<bool> is_followed(tracks_.size(), false);
+  std::vector<bool> is_known(things.size(), false);
+  for (const Pair& pair : pairs) {
+    if (is_followed[pair.track] || is_known[pair.thing]) continue;
+    is_followed[pair.track] = true;
+    is_known[pair.thing] = true;
+    Track& track = tracks_[pair.track];
+    const Thing& thing = things[pair.thing];
+    Follow(track, thing, stamp, map);
+    if (!track.moves) continue;
+    for (GridBeam& beam : beams.subspan(thing.first, thing.count)) {
+      beam.is_on_mover = true;
     }
-    things.erase(nearest);
   }
   std::erase_if(tracks_, [&](const Track& track) {
     const double unseen_s = base::SecondsBetween(track.stamp, stamp);
     return unseen_s > (track.moves ? kMoverMemory_s.value : 0.1);
   });
-  for (const Thing& thing : things) {
+  for (size_t i = 0; i < things.size(); ++i) {
+    if (is_known[i]) continue;
+    const Thing& thing = things[i];
     Track& track = tracks_.emplace_back();
     track.stamp = stamp;
     track.in_map = thing.center;

@@ -24,7 +24,8 @@ struct Mover {
   }
 };
 
-// Beams that end beside each other are of one thing; a circle through them says
+// Beams that end beside each other are of one thing, or of several that touch,
+// where there is a dent between them; a circle through them says
 // where its middle is, whatever side of it is seen and whatever hides a part of
 // it. A thing whose middles of the last kFittedScans scans lie on a line that
 // is driven along, and which came to where the map had nothing, moves: it is
@@ -50,6 +51,8 @@ class MoverTracker {
     size_t count = 0;
     geometry::Vec2 center;
     double radius_m = 0;
+    // A circle through its points fits them.
+    bool is_round = false;
     // Of its points, those where something has stood for long, and where
     // nothing was.
     double old_share = 0;
@@ -71,6 +74,11 @@ class MoverTracker {
 
   static std::vector<Thing> ThingsIn(std::span<const GridBeam> beams,
                                      const EvidenceGrid& map);
+  // Of beams that end beside each other: those that touch and are round and
+  // wide, or else all of it as one.
+  static void AddThings(std::span<const GridBeam> beams, size_t first,
+                        size_t count, const EvidenceGrid& map,
+                        std::vector<Thing>& things);
   static std::optional<Thing> ThingOf(std::span<const GridBeam> beams,
                                       size_t first, size_t count,
                                       const EvidenceGrid& map);

@@ -116,6 +116,46 @@ TEST(MoverTracker, WhatStandsIsTheMapsHoweverOnePassesIt) {
             core::Occupancy::kOccupied);
 }
 
+TEST(MoverTracker, TwoThatTouchAreTwo) {
+  // They go beside each other, and beams see no gap between them.
+  const geometry::Vec2 velocity_mps = {-0.2, 1.2};
+  Watch watch({0, 0}, {0, 0}, {.center = {4, -2.5}}, velocity_mps);
+  const geometry::Vec2 to_other = {0.3, 0.75};
+  for (double now_s = 0; now_s < 2; now_s += kScan_s) {
+    watch.For_s(0.9 * kScan_s, {{.center = watch.disc().center + to_other}});
+  }
+  const std::vector<Mover> movers = watch.Movers();
+  ASSERT_EQ(movers.size(), 2u);
+  for (const Mover& mover : movers) {
+    EXPECT_LT(geometry::Norm(mover.velocity_mps - velocity_mps), 0.2);
+    EXPECT_NEAR(mover.radius_m, 0.5, 0.1);
+    EXPECT_LT(
+        std::min(geometry::Norm(mover.in_map - watch.disc().center),
+                 geometry::Norm(mover.in_map - watch.disc().center - to_other)),
+        0.15);
+  }
+  EXPECT_GT(geometry::Norm(movers[0].in_map - movers[1].in_map), 0.6);
+}
+
+TEST(MoverTracker, WhatPassesBeforeAnotherDoesNotTakeItsTrack) {
+  // The first one is hidden for a moment.
+  Watch watch({0, 0}, {0, 0}, {.center = {3.8, -1.5}}, {0, 1.2});
+  geometry::Vec2 other = {3.4, 1.8};
+  for (double now_s = 0; now_s < 1.6; now_s += kScan_s) {
+    watch.For_s(0.9 * kScan_s, {{.center = other}});
+    other = other + kScan_s * geometry::Vec2{0, -1.2};
+  }
+  const std::vector<Mover> movers = watch.Movers();
+  ASSERT_EQ(movers.size(), 2u);
+  for (const Mover& mover : movers) {
+    const bool is_other = mover.velocity_mps.y < 0;
+    EXPECT_LT(
+        geometry::Norm(mover.in_map - (is_other ? other : watch.disc().center)),
+        0.2);
+    EXPECT_NEAR(mover.velocity_mps.y, is_other ? -1.2 : 1.2, 0.25);
+  }
+}
+
 TEST(MoverTracker, WhatStopsBecomesAPartOfTheMap) {
   Watch watch({0, 0}, {0, 0}, {.center = {4, -2}}, {0, 1});
   watch.For_s(1);

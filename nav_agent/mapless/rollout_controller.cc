@@ -11,9 +11,9 @@ namespace treeline::mapless {
 namespace {
 
 constexpr double kStep_s = 0.1;
-// Shares of the fastest that are tried, forward and of the curve.
 // Of a command of somebody else, tried out in this order.
 constexpr double kAllowedShares[] = {1, 0.75, 0.5, 0.25, 0.1};
+// Shares of the fastest that are tried, forward and of the curve.
 constexpr double kSpeeds[] = {0, 0.05, 0.12, 0.25, 0.4, 0.55, 0.75, 1};
 // Of the fastest backwards, to give way.
 constexpr double kBackwardShares[] = {0.3, 0.6, 1};

@@ -1,17 +1,13 @@
 #include "nav_agent/urdf/urdf_file.h"
 
-#include <tinyxml2.h>
-
-#include <cmath>
 #include <map>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "common/base/status_macros.h"
+#include "common/xml/xml_file.h"
 
 namespace treeline::urdf {
 namespace {
@@ -30,8 +26,7 @@ class Reader {
 
  private:
   absl::Status Error(const XMLElement& at, absl::string_view reason) const {
-    return absl::InvalidArgumentError(
-        absl::StrCat(name_, ":", at.GetLineNum(), ": ", reason));
+    return xml::ErrorAt(at, name_, reason);
   }
   absl::Status CheckExpanded(const XMLElement& element) const;
   absl::StatusOr<std::string> Text(const XMLElement& element,
@@ -94,8 +89,7 @@ absl::StatusOr<double> Reader::Number(const XMLElement& element,
                                       double max) const {
   TL_ASSIGN_OR_RETURN(const std::string text, Text(element, attribute));
   double value = 0;
-  if (!absl::SimpleAtod(text, &value) || !std::isfinite(value) || value < min ||
-      value > max) {
+  if (!xml::ParseNumbers(text, min, max, {&value, 1})) {
     return Error(element,
                  absl::StrCat(attribute, "=\"", text.substr(0, 40),
                               "\" is no number from ", min, " to ", max));
@@ -107,15 +101,8 @@ absl::StatusOr<geometry::Vec3> Reader::Numbers(const XMLElement& element,
                                                const char* attribute,
                                                double min, double max) const {
   TL_ASSIGN_OR_RETURN(const std::string text, Text(element, attribute));
-  const std::vector<std::string> parts =
-      absl::StrSplit(text, absl::ByAnyChar(" \t\r\n"), absl::SkipEmpty());
   double values[3] = {0, 0, 0};
-  bool are_good = parts.size() == 3;
-  for (size_t i = 0; are_good && i < 3; ++i) {
-    are_good = absl::SimpleAtod(parts[i], &values[i]) &&
-               std::isfinite(values[i]) && values[i] >= min && values[i] <= max;
-  }
-  if (!are_good) {
+  if (!xml::ParseNumbers(text, min, max, values)) {
     return Error(element, absl::StrCat(attribute, "=\"", text.substr(0, 60),
                                        "\" is not three numbers from ", min,
                                        " to ", max));
@@ -263,28 +250,9 @@ absl::Status Reader::CheckTree(const XMLElement& robot) const {
 }
 
 absl::StatusOr<Urdf> Reader::Read(absl::string_view text) {
-  if (text.size() > kMaxUrdfBytes) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        name_, ": longer than ", kMaxUrdfBytes >> 20, " MiB; is it a URDF?"));
-  }
-  if (absl::StrContains(text, "<!DOCTYPE") ||
-      absl::StrContains(text, "<!ENTITY")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        name_,
-        ": document types and entities are not read; no URDF needs "
-        "them"));
-  }
-  // The parser bounds the depth of elements, and knows no entities but those
-  // of XML itself.
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    const char* reason =
-        document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED
-            ? "elements within elements, deeper than any robot"
-            : "this is no XML";
-    return absl::InvalidArgumentError(
-        absl::StrCat(name_, ":", document.ErrorLineNum(), ": ", reason));
-  }
+  TL_RETURN_IF_ERROR(xml::ParseXml(
+      text, name_, {.name = "URDF", .max_bytes = kMaxUrdfBytes}, document));
   const XMLElement* robot = document.RootElement();
   if (robot == nullptr || std::string(robot->Name()) != "robot") {
     return absl::InvalidArgumentError(absl::StrCat(

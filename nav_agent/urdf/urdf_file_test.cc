@@ -95,7 +95,7 @@ TEST(UrdfFile, RefusesBombs) {
                 "entities are not read");
   std::string deep = "<robot name=\"r\">";
   for (int i = 0; i < 300000; ++i) deep += "<a>";
-  ExpectRefused(deep, "deeper than any robot");
+  ExpectRefused(deep, "deeper than any URDF");
   ExpectRefused(std::string(kMaxUrdfBytes + 1, ' '), "longer than");
   std::string many;
   for (size_t i = 0; i <= kMaxLinks; ++i) {

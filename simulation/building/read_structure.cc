@@ -13,6 +13,7 @@ namespace treeline::building {
 namespace {
 
 constexpr double kNear_m = 1e-6;
+constexpr double kLeastWall_m = 0.05;
 
 // Names of rooms, platforms, ramps, stairs and walls are one family.
 absl::Status CheckNewName(const yaml::YamlNode& node, const BuildingPlan& plan,
@@ -232,10 +233,11 @@ absl::Status ReadStairs(const yaml::YamlNode& file, BuildingPlan& plan) {
 }
 
 absl::Status ReadWalls(const yaml::YamlNode& file, BuildingPlan& plan) {
-  TL_ASSIGN_OR_RETURN(const std::vector<yaml::YamlNode> items,
-                      ReadList(file, "walls",
-                               {"name", "from", "to", "height", "thickness",
-                                "glass", "finish"}));
+  TL_ASSIGN_OR_RETURN(
+      const std::vector<yaml::YamlNode> items,
+      ReadList(file, "walls",
+               {"name", "from", "to", "height", "thickness", "glass", "finish"},
+               kMaxPillars));
   for (const yaml::YamlNode& item : items) {
     PlanWall wall;
     TL_ASSIGN_OR_RETURN(wall.name, ReadName(item));
@@ -245,17 +247,18 @@ absl::Status ReadWalls(const yaml::YamlNode& file, BuildingPlan& plan) {
     wall.from.z_m = GroundAt(plan, wall.from);
     TL_ASSIGN_OR_RETURN(wall.to, ReadPointAt(item, "to", plan));
     if (std::hypot(wall.to.x_m - wall.from.x_m, wall.to.y_m - wall.from.y_m) <
-        0.2) {
-      return item.Error("a wall is at least 0.2 m long");
+        kLeastWall_m) {
+      return item.Error(
+          absl::StrCat("a wall is at least ", kLeastWall_m, " m long"));
     }
     TL_ASSIGN_OR_RETURN(
         wall.height_m,
-        item.NumberOr("height", plan.size_m[2] - *wall.from.z_m, 0.1, 20));
+        item.NumberOr("height", plan.size_m[2] - *wall.from.z_m, 0.02, 20));
     TL_RETURN_IF_ERROR(CheckHeight(item, plan, *wall.from.z_m + wall.height_m));
     TL_ASSIGN_OR_RETURN(wall.is_glass, item.BooleanOr("glass", false));
-    TL_ASSIGN_OR_RETURN(
-        wall.thickness_m,
-        item.NumberOr("thickness", wall.is_glass ? 0.04 : 0.1, 0.04, 2));
+    TL_ASSIGN_OR_RETURN(wall.thickness_m,
+                        item.NumberOr("thickness", wall.is_glass ? 0.04 : 0.1,
+                                      wall.is_glass ? 0.04 : 0.01, kMaxSize_m));
     TL_ASSIGN_OR_RETURN(wall.finish,
                         ReadFinish(item, "finish", "plaster", plan));
     plan.walls.push_back(wall);
@@ -273,11 +276,12 @@ absl::Status ReadPillars(const yaml::YamlNode& file, BuildingPlan& plan) {
     TL_ASSIGN_OR_RETURN(const yaml::YamlNode at, item.Get("at"));
     TL_ASSIGN_OR_RETURN(pillar.at, ReadGroundPoint(at, plan));
     const double base_m = GroundAt(plan, pillar.at).value_or(0);
-    TL_ASSIGN_OR_RETURN(pillar.width_m, item.NumberOr("width", 0.4, 0.05, 3));
+    TL_ASSIGN_OR_RETURN(pillar.width_m,
+                        item.NumberOr("width", 0.4, 0.02, kMaxSize_m));
     TL_ASSIGN_OR_RETURN(pillar.is_round, item.BooleanOr("round", false));
     TL_ASSIGN_OR_RETURN(
         pillar.height_m,
-        item.NumberOr("height", plan.size_m[2] - base_m, 0.1, 100));
+        item.NumberOr("height", plan.size_m[2] - base_m, 0.02, 100));
     TL_RETURN_IF_ERROR(CheckHeight(item, plan, base_m + pillar.height_m));
     TL_ASSIGN_OR_RETURN(pillar.finish,
                         ReadFinish(item, "finish", "concrete", plan));

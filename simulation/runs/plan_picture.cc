@@ -189,6 +189,29 @@ void DrawMarks(const PlanMarks& marks, Plan& plan) {
   if (marks.estimate.has_value()) plan.Arrow(*marks.estimate, kEstimate);
 }
 
+// Of the world, or of the part of it that is to be shown.
+simulator::Bounds ShownBounds(const simulator::Bounds& world,
+                              const SimulationResult& result,
+                              const PlanMarks& marks) {
+  if (!marks.within_m.has_value()) return world;
+  std::vector<geometry::Vec2> points;
+  for (const std::vector<geometry::Vec3>& line : result.track) {
+    for (const geometry::Vec3& at : line) points.push_back({at.x, at.y});
+  }
+  if (marks.goal.has_value()) points.push_back(marks.goal->translation);
+  if (points.empty()) return world;
+  simulator::Bounds shown = world;
+  const auto [west, east] = std::ranges::minmax(
+      points, {}, [](geometry::Vec2 point) { return point.x; });
+  const auto [south, north] = std::ranges::minmax(
+      points, {}, [](geometry::Vec2 point) { return point.y; });
+  shown.low.x = std::max(shown.low.x, west.x - *marks.within_m);
+  shown.low.y = std::max(shown.low.y, south.y - *marks.within_m);
+  shown.high.x = std::min(shown.high.x, east.x + *marks.within_m);
+  shown.high.y = std::min(shown.high.y, north.y + *marks.within_m);
+  return shown;
+}
+
 }  // namespace
 
 std::vector<std::vector<geometry::Vec2>> WaysOfMovers(
@@ -218,7 +241,7 @@ image::ColorImage DrawPlan(const worlds::World& world,
                            const simulator::Terrain& terrain,
                            const SimulationResult& result,
                            const PlanMarks& marks) {
-  Plan plan(terrain.bounds());
+  Plan plan(ShownBounds(terrain.bounds(), result, marks));
   for (int y = 0; y < plan.image.height; ++y) {
     for (int x = 0; x < plan.image.width; ++x) {
       plan.Set(x, y, ColorAt(terrain, plan.CenterOf(x, y)));

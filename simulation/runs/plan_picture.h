@@ -24,6 +24,8 @@ struct PlanMarks {
   std::optional<geometry::Rigid2> truth = std::nullopt;
   // What moved about: a teal dot where it is, behind it the way that it came.
   std::vector<std::vector<geometry::Vec2>> movers = {};
+  // Nothing but what is so near, along x and y, to the track and the goal.
+  std::optional<double> within_m = std::nullopt;
 };
 
 // The ways of what moves in `world` in the `last_s` seconds before a time, as

@@ -8,6 +8,8 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "simulation/building/cylinder_field.h"
+#include "simulation/building/gazebo_plan.h"
+#include "simulation/building/gazebo_world.h"
 #include "simulation/building/moving_field.h"
 #include "simulation/building/plan_file.h"
 #include "simulation/building/shipped_worlds.h"
@@ -69,6 +71,16 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
         building::ParsePlan(shipped.text, absl::StrCat(name, ".yaml")));
     return MakeBuilding(std::string(name), plan, options);
   }
+  if (IsGazeboWorld(name)) {
+    TL_ASSIGN_OR_RETURN(
+        const std::string text,
+        base::ReadFile(std::string(name), building::kMaxGazeboBytes));
+    TL_ASSIGN_OR_RETURN(const std::vector<building::GazeboSolid> solids,
+                        building::ParseGazeboWorld(text, name));
+    TL_ASSIGN_OR_RETURN(const building::BuildingPlan plan,
+                        building::GazeboPlan(solids, name));
+    return MakeBuilding(std::string(name), plan, options);
+  }
   if (absl::EndsWith(name, ".yaml") || absl::StrContains(name, '/')) {
     TL_ASSIGN_OR_RETURN(const std::string text,
                         base::ReadFile(std::string(name), kMaxWorldFileBytes));
@@ -83,10 +95,14 @@ absl::StatusOr<World> MakeNamed(absl::string_view name,
   return absl::InvalidArgumentError(absl::StrCat(
       "there is no world '", name, "'; there are ", shipped_names,
       "room, room:N, seed:N, field:N, moving-field:N and office:M2 with whole "
-      "numbers, and files (NAME.yaml)"));
+      "numbers, and files (NAME.yaml; NAME.world, of Gazebo)"));
 }
 
 }  // namespace
+
+bool IsGazeboWorld(absl::string_view name) {
+  return absl::EndsWith(name, ".world") || absl::EndsWith(name, ".sdf");
+}
 
 std::vector<BodyInstance> World::InstancesAt(double time_s) const {
   std::vector<BodyInstance> instances;

@@ -211,11 +211,15 @@ struct WorldOptions {
 //                 a generated building; a field of cylinders, of moving ones
 //   office:M2, office:M2:N  an office building of so many square metres
 //   FILE          a world file of your own: ends in .yaml or contains a '/';
-//                 see docs/reference/world-files.md
+//                 see docs/reference/world-files.md. Or a world of Gazebo
+//                 (IsGazeboWorld): building/gazebo_plan.h
 // INVALID_ARGUMENT for other names, and for files with mistakes, "FILE:LINE:
 // reason"; NOT_FOUND and so on for files that cannot be read.
 absl::StatusOr<World> MakeWorld(absl::string_view name,
                                 const WorldOptions& options);
+
+// Whether the name is that of a file of Gazebo's: ends in .world or .sdf.
+bool IsGazeboWorld(absl::string_view name);
 
 }  // namespace treeline::worlds
 

@@ -2,18 +2,22 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
+#include "common/base/check_heading.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "evaluation/fields/field_report.h"
 #include "evaluation/fields/field_suite.h"
+#include "evaluation/fields/field_worlds.h"
 #include "evaluation/suites/suite_jobs.h"
 #include "evaluation/suites/suite_report.h"
 #include "simulation/building/cylinder_field.h"
@@ -36,11 +40,15 @@ Examples:
   treeline-agent suite barn --moving --fields 1-30
   treeline-agent suite barn --fields 3 --pictures all --folder out/barn
   treeline-agent suite barn --worlds mine.yaml,theirs.yaml --robot my-robot.yaml
+  treeline-agent suite barn --worlds the-barn-challenge/jackal_helper/worlds/BARN
+  treeline-agent suite barn --worlds hall.world --start 0,0,0 --goal 8,2
   treeline-agent suite barn --fields 1-300 --write-worlds out/fields)";
 
 struct FieldFlags {
   std::string fields = "1-50";
   std::vector<std::string> worlds;
+  std::vector<double> start;
+  std::vector<double> goal;
   bool moving = false;
   std::string robot = "jackal";
   double speed_mps = 0;
@@ -61,8 +69,10 @@ struct Job {
 
 absl::StatusOr<std::vector<Job>> JobsOf(const FieldFlags& flags) {
   std::vector<Job> jobs;
-  for (const std::string& world : flags.worlds) {
-    jobs.push_back({world, flags.seed});
+  for (const std::string& name : flags.worlds) {
+    TL_ASSIGN_OR_RETURN(const std::vector<std::string> worlds,
+                        fields::WorldsCalled(name));
+    for (const std::string& world : worlds) jobs.push_back({world, flags.seed});
   }
   if (!jobs.empty()) return jobs;
   TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
@@ -73,6 +83,20 @@ absl::StatusOr<std::vector<Job>> JobsOf(const FieldFlags& flags) {
          seed + flags.seed});
   }
   return jobs;
+}
+
+absl::StatusOr<std::optional<fields::FieldEnds>> EndsOf(
+    const FieldFlags& flags) {
+  if (flags.start.empty() && flags.goal.empty()) return std::nullopt;
+  if (flags.start.empty() || flags.goal.empty() || flags.worlds.empty()) {
+    return absl::InvalidArgumentError(
+        "--start and --goal go together, and with --worlds");
+  }
+  TL_RETURN_IF_ERROR(base::CheckHeading("--start", flags.start[2]));
+  return fields::FieldEnds{
+      .start = {.translation = {flags.start[0], flags.start[1]},
+                .yaw_rad = flags.start[2]},
+      .goal = {flags.goal[0], flags.goal[1]}};
 }
 
 absl::Status WriteWorlds(const FieldFlags& flags) {
@@ -122,6 +146,7 @@ absl::Status RunFields(const FieldFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(options.robot, core::ReadRobot(flags.robot));
   options.navigator.max_forward_mps = flags.speed_mps;
   options.with_movers = flags.moving;
+  TL_ASSIGN_OR_RETURN(options.ends, EndsOf(flags));
   TL_ASSIGN_OR_RETURN(const std::vector<Job> jobs, JobsOf(flags));
   if (!flags.json.empty()) TL_RETURN_IF_ERROR(base::CheckWritable(flags.json));
   const suites::JobResults<fields::FieldRun> results =
@@ -132,7 +157,10 @@ absl::Status RunFields(const FieldFlags& flags, const std::stop_token& stop) {
             one.world = jobs[i].world;
             one.seed = jobs[i].seed;
             absl::StatusOr<fields::FieldRun> run = fields::RunField(one, stop);
-            if (run.ok()) return run;
+            if (run.ok() ||
+                absl::StrContains(run.status().message(), one.world)) {
+              return run;
+            }
             return base::Annotate(run.status(), one.world);
           });
   const int expected = static_cast<int>(jobs.size());
@@ -160,9 +188,25 @@ cli::Command AddFieldSuite(CLI::App& suite) {
       ->capture_default_str();
   command
       ->add_option("--worlds", flags->worlds,
-                   "These instead: worlds with places 'start' and 'goal'")
+                   "These instead: worlds with places 'start' and 'goal', "
+                   "worlds of Gazebo (.world, .sdf), and folders of files")
       ->type_name("WORLD,...")
       ->delimiter(',');
+  command
+      ->add_option("--start", flags->start,
+                   "Where the robot starts in --worlds (m, rad), in the file's "
+                   "own coordinates; otherwise the place 'start', of worlds of "
+                   "Gazebo the challenge's -2.25,3,1.57")
+      ->type_name("X,Y,YAW")
+      ->delimiter(',')
+      ->expected(3);
+  command
+      ->add_option("--goal", flags->goal,
+                   "Where it is sent to then; otherwise the place 'goal', or "
+                   "-2.25,13")
+      ->type_name("X,Y")
+      ->delimiter(',')
+      ->expected(2);
   command->add_flag("--moving", flags->moving,
                     "Fields in which cylinders move, 20 m across, in the "
                     "manner of DynaBARN; of --worlds: what moves there moves");
