@@ -179,6 +179,12 @@ absl::StatusOr<MapLogResult> RunLog(const MapFlags& flags,
   TL_RETURN_IF_ERROR(result.status());
   PrintSummary(*result);
   PrintSummary(result->summary);
+  if (result->drive.format == mapping::RecordingFormat::kLaserLog &&
+      result->drive.base_from_laser.translation == geometry::Vec3{}) {
+    std::fprintf(stderr,
+                 "note: the log has its laser in the middle of the robot; "
+                 "--calibrate finds where it is\n");
+  }
   return result;
 }
 
