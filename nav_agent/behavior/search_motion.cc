@@ -118,7 +118,8 @@ core::VelocityCommand SearchMotion::Face(
       geometry::NormalizedAngle_rad(yaw_rad - motion.odom_from_base.yaw_rad);
   const bool is_held =
       IsHeld(std::abs(motion.yaw_rate_radps) > kHeldTurn_radps, input.now);
-  if (has_way && is_held && GetsOutOfTheWay(motion, input)) return {};
+  if ((is_held || !has_way) && BacksUp(motion, input)) return {};
+  if (is_held && has_way && GoesAhead(motion, input)) return {};
   if (!has_way || is_held || IsStuck(input.now)) {
     EndWay(motion, input.now);
     return {};
@@ -132,14 +133,17 @@ core::VelocityCommand SearchMotion::Face(
   return {};
 }
 
-bool SearchMotion::GetsOutOfTheWay(const localization::TrackedMotion& motion,
-                                   const RelocalizationInput& input) {
-  if (!has_backed_up_ && input.free_behind_m >= kMinBackUp_m) {
-    has_backed_up_ = true;
-    leg_m_ = input.free_behind_m;
-    NextLeg(Leg::kBackUp, motion, input.now);
-    return true;
-  }
+bool SearchMotion::BacksUp(const localization::TrackedMotion& motion,
+                           const RelocalizationInput& input) {
+  if (has_backed_up_ || input.free_behind_m < kMinBackUp_m) return false;
+  has_backed_up_ = true;
+  leg_m_ = input.free_behind_m;
+  NextLeg(Leg::kBackUp, motion, input.now);
+  return true;
+}
+
+bool SearchMotion::GoesAhead(const localization::TrackedMotion& motion,
+                             const RelocalizationInput& input) {
   if (input.free_ahead_m < kMinSearchMove_m + kMinBackUp_m) return false;
   ordered_.reset();
   leg_m_ =

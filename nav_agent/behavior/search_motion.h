@@ -1,6 +1,6 @@
 // How a robot moves that looks for its place by laser: a full turn, then to the
-// freest side, again and again. Where it cannot turn to that, it backs up
-// first.
+// freest side, again and again. Where it cannot turn to that, or no side is
+// free, it backs up first.
 #ifndef NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 #define NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 
@@ -73,9 +73,11 @@ class SearchMotion {
   // Where it is and looks, something held it that its free way does not show.
   bool WasHeldHere(const localization::TrackedMotion& motion) const;
   // Something holds it that is to face a direction: it backs up and tries
-  // again, or goes on ahead and looks for a way from there. False: no room.
-  bool GetsOutOfTheWay(const localization::TrackedMotion& motion,
-                       const RelocalizationInput& input);
+  // again; or goes ahead, and looks for a way from there. False: no room.
+  bool BacksUp(const localization::TrackedMotion& motion,
+               const RelocalizationInput& input);
+  bool GoesAhead(const localization::TrackedMotion& motion,
+                 const RelocalizationInput& input);
   Result Move(const localization::TrackedMotion& motion,
               const RelocalizationInput& input, double move_mps);
   bool IsStuck(base::MonotonicTime now) const;

@@ -71,6 +71,13 @@ TEST_F(SearchMotionTest, TurnsAroundInPlaceWhereNothingIsFree) {
   EXPECT_EQ(motion_.odom_from_base.translation, (geometry::Vec2{0, 0}));
 }
 
+TEST_F(SearchMotionTest, WhereNoSideIsFreeItBacksUpOnceATurn) {
+  free_behind_m_ = 0.2;
+  Run(12);
+  EXPECT_EQ(turns_, 1);
+  EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 0.2, 0.03);
+}
+
 TEST_F(SearchMotionTest, MovesToTheFreestSideAndNotFurtherThanIsFree) {
   free_at_ = [](double yaw_rad) {
     return std::abs(geometry::NormalizedAngle_rad(yaw_rad - 2)) < 0.2 ? 1.0
