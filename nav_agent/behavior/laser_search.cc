@@ -229,8 +229,11 @@ LaserSearch::Result LaserSearch::Move(const RelocalizationInput& input,
     return {};
   }
   SearchMotion& search = tools.search_motion;
-  // What it drives for has come about.
-  if (search.is_under_way() && PlacesLeft(tools.tracker).size() < 2) {
+  // What it drives for has come about, or nothing is missing but a turn.
+  const bool lacks_turn = holds_since_.has_value() &&
+                          hold_turned_rad_ < tools.options.search_hold_rad;
+  if ((search.is_under_way() || (search.is_moving() && lacks_turn)) &&
+      PlacesLeft(tools.tracker).size() < 2) {
     search.EndWay(motion, input.now);
   }
   const SearchMotion::Result moved =

@@ -94,6 +94,19 @@ TEST_F(LaserSearchTest, APlaceThatBreaksBeginsAnew) {
   EXPECT_EQ(Run(60), Outcome::kFound);
 }
 
+TEST_F(LaserSearchTest, WhatLacksATurnAloneTurnsOnInsteadOfMoving) {
+  Begin();
+  search_->LookEverywhere(*tools_, tracker_.now);
+  tracker_.finds = tracker_.truth;
+  // In the middle of a turn.
+  tracker_.finds_after_s = 6;
+  free_ahead_m_ = 1;
+  const geometry::Vec2 at = tracker_.truth.translation;
+  EXPECT_EQ(Run(60), Outcome::kFound);
+  EXPECT_NEAR(took_s_, 6 + kSearchHold_s, 0.3);
+  EXPECT_EQ(tracker_.truth.translation, at);
+}
+
 TEST_F(LaserSearchTest, SomebodyWhoWalksByDoesNotBreakIt) {
   Begin();
   ASSERT_TRUE(Try(tracker_.truth));

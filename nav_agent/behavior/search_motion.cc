@@ -16,6 +16,7 @@ void SearchMotion::Begin(base::MonotonicTime now) {
   turned_rad_ = 0;
   turns_ = 0;
   best_free_m_ = 0;
+  move_held_at_.reset();
   has_backed_up_ = false;
   ordered_.reset();
 }
@@ -45,15 +46,24 @@ void SearchMotion::NextLeg(Leg leg, const localization::TrackedMotion& motion,
   turned_rad_ = 0;
 }
 
-bool SearchMotion::IsHeld(const localization::TrackedMotion& motion,
-                          base::MonotonicTime now) {
-  if (std::abs(motion.yaw_rate_radps) > kStandstillYawRate_radps) {
+bool SearchMotion::IsHeld(bool moves, base::MonotonicTime now) {
+  if (moves) {
     held_since_.reset();
   } else if (!held_since_.has_value()) {
     held_since_ = now;
   }
   return held_since_.has_value() &&
          base::SecondsBetween(*held_since_, now) > kTurnStart_s;
+}
+
+bool SearchMotion::WasHeldHere(
+    const localization::TrackedMotion& motion) const {
+  if (!move_held_at_.has_value()) return false;
+  const geometry::Rigid2& here = motion.odom_from_base;
+  return geometry::Norm(here.translation - move_held_at_->translation) <
+             kHeldPlace_m &&
+         std::abs(geometry::NormalizedAngle_rad(
+             here.yaw_rad - move_held_at_->yaw_rad)) < kCameFrom_rad;
 }
 
 bool SearchMotion::IsStuck(base::MonotonicTime now) const {
@@ -84,7 +94,7 @@ SearchMotion::Result SearchMotion::Turn(
       yaw_rad - leg_from_.yaw_rad - std::numbers::pi);
   const double worth =
       turns_ > 0 && std::abs(back_rad) < kCameFrom_rad ? kKnownWorth : 1.0;
-  if (worth * input.free_ahead_m > best_free_m_) {
+  if (!WasHeldHere(motion) && worth * input.free_ahead_m > best_free_m_) {
     best_free_m_ = worth * input.free_ahead_m;
     best_free_yaw_rad_ = yaw_rad;
   }
@@ -102,28 +112,44 @@ core::VelocityCommand SearchMotion::Face(
     double turn_radps) {
   const bool has_way =
       ordered_.has_value() || best_free_m_ >= 2 * kMinSearchMove_m;
-  const bool is_held = IsHeld(motion, input.now);
-  if (has_way && is_held && !has_backed_up_ &&
-      input.free_behind_m >= kMinBackUp_m) {
-    has_backed_up_ = true;
-    leg_m_ = input.free_behind_m;
-    NextLeg(Leg::kBackUp, motion, input.now);
-    return {};
-  }
+  const double yaw_rad =
+      ordered_.has_value() ? ordered_->yaw_rad : best_free_yaw_rad_;
+  const double left_rad =
+      geometry::NormalizedAngle_rad(yaw_rad - motion.odom_from_base.yaw_rad);
+  const bool is_held =
+      IsHeld(std::abs(motion.yaw_rate_radps) > kHeldTurn_radps, input.now);
+  if ((is_held || !has_way) && BacksUp(motion, input)) return {};
+  if (is_held && has_way && GoesAhead(motion, input)) return {};
   if (!has_way || is_held || IsStuck(input.now)) {
     EndWay(motion, input.now);
     return {};
   }
-  const double yaw_rad =
-      ordered_.has_value() ? ordered_->yaw_rad : best_free_yaw_rad_;
-  if (std::abs(geometry::NormalizedAngle_rad(
-          yaw_rad - motion.odom_from_base.yaw_rad)) > kTurnTolerance_rad) {
+  if (std::abs(left_rad) > kTurnTolerance_rad) {
     return TurnTowards(yaw_rad, motion, turn_radps);
   }
   leg_m_ =
       ordered_.has_value() ? ordered_->way_m : best_free_m_ - kMinSearchMove_m;
   NextLeg(Leg::kMove, motion, input.now);
   return {};
+}
+
+bool SearchMotion::BacksUp(const localization::TrackedMotion& motion,
+                           const RelocalizationInput& input) {
+  if (has_backed_up_ || input.free_behind_m < kMinBackUp_m) return false;
+  has_backed_up_ = true;
+  leg_m_ = input.free_behind_m;
+  NextLeg(Leg::kBackUp, motion, input.now);
+  return true;
+}
+
+bool SearchMotion::GoesAhead(const localization::TrackedMotion& motion,
+                             const RelocalizationInput& input) {
+  if (input.free_ahead_m < kMinSearchMove_m + kMinBackUp_m) return false;
+  ordered_.reset();
+  leg_m_ =
+      std::min<double>(kMinSearchMove_m, input.free_ahead_m - kMinSearchMove_m);
+  NextLeg(Leg::kMove, motion, input.now);
+  return true;
 }
 
 core::VelocityCommand SearchMotion::BackUp(
@@ -144,7 +170,11 @@ SearchMotion::Result SearchMotion::Move(
   const double moved_m =
       geometry::Norm(motion.odom_from_base.translation - leg_from_.translation);
   const bool is_there = moved_m >= leg_m_;
-  if (is_there || input.free_ahead_m < kMinSearchMove_m || IsStuck(input.now)) {
+  const bool is_held =
+      IsHeld(motion.forward_mps > kStandstillSpeed_mps, input.now);
+  if (is_held) move_held_at_ = motion.odom_from_base;
+  if (is_there || is_held || input.free_ahead_m < kMinSearchMove_m ||
+      IsStuck(input.now)) {
     EndWay(motion, input.now);
     return {.wanted = {}, .has_arrived = true, .was_blocked = !is_there};
   }

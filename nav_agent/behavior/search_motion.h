@@ -1,6 +1,6 @@
 // How a robot moves that looks for its place by laser: a full turn, then to the
-// freest side, again and again. Where it cannot turn to that, it backs up
-// first.
+// freest side, again and again. Where it cannot turn to that, or no side is
+// free, it backs up first.
 #ifndef NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 #define NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
 
@@ -41,6 +41,8 @@ class SearchMotion {
   // this speed: somebody knows more of the way than what is free ahead.
   void GoTo(double yaw_in_odom_rad, double way_m, double move_mps,
             const localization::TrackedMotion& motion, base::MonotonicTime now);
+  // Not on a turn.
+  bool is_moving() const { return leg_ != Leg::kTurn; }
   // On a way of GoTo.
   bool is_under_way() const { return ordered_.has_value(); }
   // Such a way ends here: a turn begins.
@@ -66,9 +68,16 @@ class SearchMotion {
                              double turn_radps);
   core::VelocityCommand BackUp(const localization::TrackedMotion& motion,
                                base::MonotonicTime now);
-  // It wants to turn, and has not for long.
-  bool IsHeld(const localization::TrackedMotion& motion,
-              base::MonotonicTime now);
+  // It wants to move, and has not for long.
+  bool IsHeld(bool moves, base::MonotonicTime now);
+  // Where it is and looks, something held it that its free way does not show.
+  bool WasHeldHere(const localization::TrackedMotion& motion) const;
+  // Something holds it that is to face a direction: it backs up and tries
+  // again; or goes ahead, and looks for a way from there. False: no room.
+  bool BacksUp(const localization::TrackedMotion& motion,
+               const RelocalizationInput& input);
+  bool GoesAhead(const localization::TrackedMotion& motion,
+                 const RelocalizationInput& input);
   Result Move(const localization::TrackedMotion& motion,
               const RelocalizationInput& input, double move_mps);
   bool IsStuck(base::MonotonicTime now) const;
@@ -87,8 +96,10 @@ class SearchMotion {
     double move_mps = 0;
   };
   std::optional<Way> ordered_;
-  // Of a robot that faces its way: since when it has not turned.
+  // Of a robot that faces its way, or moves: since when it has not.
   std::optional<base::MonotonicTime> held_since_;
+  // Where the last move ended that was held.
+  std::optional<geometry::Rigid2> move_held_at_;
   // Since the leg began.
   double turned_rad_ = 0;
   // Full turns that ended.

@@ -30,9 +30,14 @@ class SearchMotionTest : public testing::Test {
     if (motion_.odom_from_base.translation.x > turns_below_m_) {
       moves.yaw_rate_radps = 0;
     }
+    if (std::abs(geometry::NormalizedAngle_rad(
+            motion_.odom_from_base.yaw_rad)) < held_within_rad_) {
+      moves.forward_mps = 0;
+    }
     const geometry::Rigid2 step = {{kStep_s * moves.forward_mps, 0},
                                    kStep_s * moves.yaw_rate_radps};
     motion_.odom_from_base = motion_.odom_from_base * step;
+    motion_.forward_mps = moves.forward_mps;
     motion_.yaw_rate_radps = moves.yaw_rate_radps;
     search_.AddTurn(std::abs(step.yaw_rad));
     turns_ += result.has_turned_around ? 1 : 0;
@@ -50,6 +55,8 @@ class SearchMotionTest : public testing::Test {
   double free_behind_m_ = 0;
   // Further on, something holds it when it turns.
   double turns_below_m_ = INFINITY;
+  // So near to its first heading nothing lets it move on, whatever looks free.
+  double held_within_rad_ = 0;
   int turns_ = 0;
   std::function<double(double)> free_at_ = [](double) { return 0.0; };
 };
@@ -62,6 +69,13 @@ TEST_F(SearchMotionTest, TurnsAroundInPlaceWhereNothingIsFree) {
   Run(8.5);
   EXPECT_EQ(turns_, 2);
   EXPECT_EQ(motion_.odom_from_base.translation, (geometry::Vec2{0, 0}));
+}
+
+TEST_F(SearchMotionTest, WhereNoSideIsFreeItBacksUpOnceATurn) {
+  free_behind_m_ = 0.2;
+  Run(12);
+  EXPECT_EQ(turns_, 1);
+  EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 0.2, 0.03);
 }
 
 TEST_F(SearchMotionTest, MovesToTheFreestSideAndNotFurtherThanIsFree) {
@@ -82,6 +96,46 @@ TEST_F(SearchMotionTest, AMoveEndsBeforeWhatComesInItsWay) {
   };
   Run(16);
   EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 0.4, 0.02);
+}
+
+TEST_F(SearchMotionTest, AMoveThatIsHeldEndsSoonAndAnotherWayIsTaken) {
+  held_within_rad_ = 0.4;
+  free_at_ = [](double yaw_rad) {
+    return std::abs(geometry::NormalizedAngle_rad(yaw_rad)) < 0.2 ? 1.0 : 0.8;
+  };
+  // A turn, a way that it is held on, another turn.
+  Run(8 + 0.5 + kTurnStart_s + 8);
+  EXPECT_EQ(turns_, 2);
+  EXPECT_EQ(motion_.odom_from_base.translation, (geometry::Vec2{0, 0}));
+  Run(6);
+  EXPECT_GT(geometry::Norm(motion_.odom_from_base.translation), 0.4);
+}
+
+TEST_F(SearchMotionTest, AnOrderedWayThatIsHeldIsBlocked) {
+  held_within_rad_ = 1;
+  free_at_ = [](double) { return 1.0; };
+  search_.GoTo(0, 2, 0.3, motion_, At(now_s_));
+  SearchMotion::Result result;
+  double took_s = 0;
+  for (; took_s < 10 && !result.has_arrived; took_s += kStep_s) {
+    result = Step();
+  }
+  EXPECT_TRUE(result.was_blocked);
+  EXPECT_NEAR(took_s, kTurnStart_s, 0.2);
+}
+
+TEST_F(SearchMotionTest, WhoCannotFaceAnOrderedWayNorBackUpGoesAhead) {
+  turns_below_m_ = -0.1;
+  free_at_ = [](double) { return 1.0; };
+  search_.GoTo(2, 1, 0.3, motion_, At(now_s_));
+  SearchMotion::Result result;
+  for (double s = 0; s < 10 && !result.has_arrived; s += kStep_s) {
+    result = Step();
+  }
+  // There, a way from where it is then can be ordered.
+  EXPECT_TRUE(result.has_arrived);
+  EXPECT_FALSE(result.was_blocked);
+  EXPECT_NEAR(motion_.odom_from_base.translation.x, kMinSearchMove_m, 0.02);
 }
 
 TEST_F(SearchMotionTest, DoesNotGoBackToWhereItCameFrom) {

@@ -27,7 +27,7 @@ core::VelocityCommand SwingMotion::Step(
     return held_at_[side_ > 0 ? 1 : 0];
   };
   // Also what the laser does not see may hold it.
-  if (std::abs(motion.yaw_rate_radps) > kStandstillYawRate_radps) {
+  if (std::abs(motion.yaw_rate_radps) > kHeldTurn_radps) {
     blocked_since_.reset();
     sides_blocked_ = 0;
   } else if (!blocked_since_.has_value()) {

@@ -6,10 +6,15 @@
 #include <array>
 #include <optional>
 
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/localization/robot_tracker.h"
 
 namespace treeline::behavior {
+
+// Who turns slower than half of the slowest turn that is wanted is held, and
+// creeps along something.
+inline constexpr double kHeldTurn_radps = kMinTurnSpeed_radps / 2;
 
 // Slower near the end; `yaw_in_odom_rad` is in the frame of the odometry.
 core::VelocityCommand TurnTowards(double yaw_in_odom_rad,

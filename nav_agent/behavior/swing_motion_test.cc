@@ -26,6 +26,7 @@ class SwingMotionTest : public testing::Test {
  protected:
   void Step() {
     now_s_ += kStep_s;
+    left_rad_ += kStep_s * gives_way_radps_;
     const core::VelocityCommand wanted = swing_.Step(
         motion_, {.now = At(now_s_), .free_ahead_m = free_ahead_m_}, 0.8, 0.15);
     const double yaw_rad = motion_.odom_from_base.yaw_rad;
@@ -48,6 +49,8 @@ class SwingMotionTest : public testing::Test {
   double free_ahead_m_ = 0;
   double right_rad_ = -1e9;
   double left_rad_ = 1e9;
+  // What holds it to the left moves on.
+  double gives_way_radps_ = 0;
   double moved_m_ = 0;
   int held_steps_ = 0;
   double highest_rad_ = 0;
@@ -65,6 +68,15 @@ TEST_F(SwingMotionTest, SwingsBackWhereItIsHeld) {
   left_rad_ = 0.5;
   Run(10);
   EXPECT_EQ(highest_rad_, 0.5);
+  EXPECT_EQ(lowest_rad_, -1);
+}
+
+TEST_F(SwingMotionTest, WhoCreepsAlongSomethingIsHeldByIt) {
+  right_rad_ = -1;
+  left_rad_ = 0.5;
+  gives_way_radps_ = 0.03;
+  Run(5);
+  EXPECT_LT(highest_rad_, 0.6);
   EXPECT_EQ(lowest_rad_, -1);
 }
 
