@@ -13,8 +13,10 @@ namespace treeline::runs {
 namespace {
 
 constexpr double kResolution_m = 0.05;
-// From so far apart places, in so many directions, rays are cast.
+// From so far apart places, in so many directions, rays are cast; from farther
+// apart ones in a large hall, which are so many at the most.
 constexpr int kEveryCells = 7;
+constexpr double kMaxPlaces = 5000;
 constexpr int kDirections = 720;
 constexpr double kRange_m = 30;
 constexpr double kHitShare = 0.25;
@@ -51,14 +53,25 @@ std::vector<worlds::BodyInstance> StandingBodies(const worlds::World& world) {
   return standing;
 }
 
-// The end of one ray is noted, and all that it went through.
+// The end of one ray is noted, and all that it went through, at steps of half a
+// cell.
 void Vote(const core::OccupancyGrid& map, geometry::Vec2 from,
           geometry::Vec2 direction, double range_m, bool ends_there,
           Votes& votes) {
-  const double half_m = map.resolution_m / 2;
+  const geometry::Rigid2 grid_from_map = map.map_from_grid.Inverse();
+  const geometry::Vec2 first = (1 / map.resolution_m) * (grid_from_map * from);
+  const geometry::Vec2 half_step =
+      (0.5 / map.resolution_m) *
+      (grid_from_map * (from + map.resolution_m * direction) -
+       grid_from_map * from);
+  const auto cell_at = [&](double half_steps) -> core::CellIndex {
+    return {static_cast<int>(std::floor(first.x + half_steps * half_step.x)),
+            static_cast<int>(std::floor(first.y + half_steps * half_step.y))};
+  };
+  const double half_steps = 2 * range_m / map.resolution_m;
   core::CellIndex last = {-1, -1};
-  for (double along_m = 0; along_m < range_m - half_m; along_m += half_m) {
-    const core::CellIndex cell = map.CellOf(from + along_m * direction);
+  for (int i = 0; i < half_steps - 1; ++i) {
+    const core::CellIndex cell = cell_at(i);
     if (cell == last || !map.Contains(cell)) continue;
     ++votes.passes[map.IndexOf(cell)];
     last = cell;
@@ -92,8 +105,12 @@ localization::LaserMap MapLevel(const worlds::World& world,
   Votes votes(map.cells.size());
   const std::vector<worlds::Float3> directions = AllAround();
   std::vector<renderer::RayHit> hits(directions.size());
-  for (int y = kEveryCells / 2; y < truth.height(); y += kEveryCells) {
-    for (int x = kEveryCells / 2; x < truth.width(); x += kEveryCells) {
+  const int every = std::max(
+      kEveryCells,
+      static_cast<int>(std::ceil(std::sqrt(static_cast<double>(truth.width()) *
+                                           truth.height() / kMaxPlaces))));
+  for (int y = every / 2; y < truth.height(); y += every) {
+    for (int x = every / 2; x < truth.width(); x += every) {
       const worlds::GroundCell& cell =
           level.cells[static_cast<size_t>(y * truth.width() + x)];
       if (cell.state != worlds::GroundState::kFree) continue;
