@@ -10,11 +10,11 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { FOCAL_PX, heldOut, HEIGHT_PX, launchWithCamera, open, startServer,
-  trueCameraOf, trueShareOf, waitForState, WIDTH_PX } from './fixture.js';
+  telling, trueCameraOf, trueShareOf, waitForState, WIDTH_PX } from './fixture.js';
 import { assertAccessible } from '../page/accessibility.js';
 
 // Every fourth: the walk has turned by then.
-const SEEN = heldOut.filter((_, i) => i % 4 === 1).slice(0, 4);
+const SEEN = telling.filter((_, i) => i % 4 === 0).slice(0, 4);
 const MEDIAN_PX = 3;
 const TRUE_VIEW_DEG = 2 * Math.atan(WIDTH_PX / 2 / FOCAL_PX) * 180 / Math.PI;
 // A focal length that is 1.5 % wrong is taken for right.

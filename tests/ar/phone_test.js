@@ -11,7 +11,7 @@ import { after, afterEach, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 
 import { heldOut, launchWithCamera, localizePicture, open, RECORDING,
-  startServer, truePointAt, waitForState } from './fixture.js';
+  startServer, telling, truePointAt, waitForState } from './fixture.js';
 import { assertAccessible } from '../page/accessibility.js';
 import { layoutFaults, nameFaults, walkByKeyboard } from '../page/layout.js';
 
@@ -85,7 +85,7 @@ async function unfold(page) {
 }
 
 // Notes near the edges of the picture, where their labels have least room.
-const SEEN = heldOut[1];
+const SEEN = telling[0];
 const NOTES = [[0.06, 0.5], [0.94, 0.75], [0.5, 0.06]].map(([x, y], i) => {
   const [px, py, pz] = truePointAt(SEEN, { x, y }, 2);
   return { id: `note${i}`, text: `Note ${i + 1}, of some length`,

@@ -10,7 +10,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-import { heldOut, launchWithCamera, open, RECORDING, startServer } from
+import { launchWithCamera, open, RECORDING, startServer, telling } from
   './fixture.js';
 
 const COUNT = 200;
@@ -24,7 +24,7 @@ const { LocalizeRequestSchema, LocalizeStreamRequestSchema } =
   await load('client/dist/gen/treeline/v1/relocalization_pb.js');
 
 const jpeg = fs.readFileSync(
-    path.join(RECORDING, 'rgb', `${heldOut[1]}.jpg`));
+    path.join(RECORDING, 'rgb', `${telling[0]}.jpg`));
 const requestOf = (scene) => create(LocalizeRequestSchema, { scene,
   frame: { color: { data: { case: 'encoded', value: jpeg } } } });
 const base64 = (schema, message) =>
@@ -80,7 +80,7 @@ const figures = (times) => [0.5, 0.95, 1].map((share) =>
   at(times, share).toFixed(1).padStart(8)).join('');
 
 const server = await startServer('--log-level', 'off');
-const browser = await launchWithCamera(heldOut[1]);
+const browser = await launchWithCamera(telling[0]);
 const { page } = await open(browser, server.url);
 console.log(`${jpeg.length} bytes of JPEG, 640 x 480; ms: median, 95 %, most`);
 for (const [what, scene, count] of [['way alone', 'none', COUNT],
