@@ -85,7 +85,7 @@ TEST_F(AssumedLensTest, AsAssumedItAddsLessToAPoseThanAnyLensDoes) {
   min_odds_ = 1e9;
   const auto any = Find("SIMPLE_PINHOLE,500,319.5,239.5");
   ASSERT_TRUE(usual->is_as_assumed && !any->is_as_assumed);
-  for (const size_t axis : {0, 7, 14}) {
+  for (const size_t axis : {0U, 7U, 14U}) {
     EXPECT_GT(usual->found.added[axis], 0) << axis;
     EXPECT_LT(usual->found.added[axis], any->found.added[axis]) << axis;
   }

@@ -125,7 +125,8 @@ TEST_F(KeyframeVerifierTest, SaysWhatFeaturesAloneKnow) {
   frame_.depth->width = kWidth;
   frame_.depth->height = kHeight;
   frame_.depth->unit_m = 0.001;
-  frame_.depth->values.assign(kWidth * kHeight, 1000 * kWall_m);
+  frame_.depth->values.assign(kWidth * kHeight,
+                              static_cast<uint16_t>(1000 * kWall_m));
   EXPECT_FALSE(Verify(0.02, AlignmentUse::kFuses).of_features.has_value());
 }
 
