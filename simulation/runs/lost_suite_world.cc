@@ -60,10 +60,9 @@ void Vote(const core::OccupancyGrid& map, geometry::Vec2 from,
           Votes& votes) {
   const geometry::Rigid2 grid_from_map = map.map_from_grid.Inverse();
   const geometry::Vec2 first = (1 / map.resolution_m) * (grid_from_map * from);
-  const geometry::Vec2 half_step =
-      (0.5 / map.resolution_m) *
-      (grid_from_map * (from + map.resolution_m * direction) -
-       grid_from_map * from);
+  const geometry::Rigid2 turn = {.translation = {},
+                                 .yaw_rad = grid_from_map.yaw_rad};
+  const geometry::Vec2 half_step = 0.5 * (turn * direction);
   const auto cell_at = [&](double half_steps) -> core::CellIndex {
     return {static_cast<int>(std::floor(first.x + half_steps * half_step.x)),
             static_cast<int>(std::floor(first.y + half_steps * half_step.y))};

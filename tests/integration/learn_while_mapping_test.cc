@@ -93,5 +93,11 @@ TEST_F(LearnWhileMapping, SaysThatItNeedsACamera) {
               HasSubstr("--learn and --server are for --live with a camera"));
 }
 
+TEST_F(LearnWhileMapping, CalibratesADriveThatIsRecordedAlone) {
+  const ProgramResult result = RunProgram(Map({"--calibrate"}));
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("--robot and --calibrate are for --log"));
+}
+
 }  // namespace
 }  // namespace treeline

@@ -22,6 +22,9 @@ absl::StatusOr<CalibratedLog> CalibratedLog::Make(const std::string& log,
     return base::Annotate(result.status(), "--calibrate");
   }
   made.has_gyroscope_ = result->calibration.gyroscope.has_value();
+  if (result->calibration.noise.has_value()) {
+    made.noise_ = result->calibration.noise->noise;
+  }
   made.scan_delay_ =
       std::chrono::duration_cast<recording::RecordingTime::duration>(
           std::chrono::duration<double>(

@@ -2,12 +2,14 @@
 #ifndef NAV_AGENT_APP_MAP_CALIBRATED_LOG_H_
 #define NAV_AGENT_APP_MAP_CALIBRATED_LOG_H_
 
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
 
 #include "absl/status/statusor.h"
 #include "common/base/temporary_folder.h"
+#include "nav_agent/core/odometry_noise.h"
 #include "nav_agent/recording/recording_time.h"
 
 namespace treeline::map_app {
@@ -27,6 +29,10 @@ class CalibratedLog {
   // What was found, for people.
   const std::string& summary() const { return summary_; }
   bool has_gyroscope() const { return has_gyroscope_; }
+  // Of its odometry; nullopt: the drive does not show it.
+  const std::optional<core::MeasuredOdometryNoise>& noise() const {
+    return noise_;
+  }
   // Its scans are stamped this much earlier than in the log that it was.
   recording::RecordingTime::duration scan_delay() const { return scan_delay_; }
 
@@ -37,6 +43,7 @@ class CalibratedLog {
   base::TemporaryFolder folder_;
   std::string summary_;
   bool has_gyroscope_ = false;
+  std::optional<core::MeasuredOdometryNoise> noise_;
   recording::RecordingTime::duration scan_delay_{};
 };
 

@@ -51,6 +51,8 @@ TEST_F(CalibratedLogTest, IsTheDriveWithTheLaserWhereItIs) {
     ASSERT_TRUE(calibrated.ok()) << calibrated.status();
     path = calibrated->path();
     EXPECT_THAT(calibrated->summary(), HasSubstr("laser x"));
+    ASSERT_TRUE(calibrated->noise().has_value());
+    EXPECT_GT(calibrated->noise()->turn_from_turn, 0);
     EXPECT_NEAR(std::chrono::duration<double>(calibrated->scan_delay()).count(),
                 0.04, 0.01);
     const auto map = mapping::MapRecording(path, {});

@@ -195,6 +195,7 @@ absl::Status RunCalibrated(MapFlags& flags, const std::stop_token& stop) {
   if (flags.odometry_noise == "auto" && !log.has_gyroscope()) {
     flags.odometry_noise = "learned";
   }
+  flags.noise = log.noise();
   flags.log = log.path();
   flags.scan_delay = log.scan_delay();
   return RunLog(flags, stop).status();
